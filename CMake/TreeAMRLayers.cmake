@@ -1,0 +1,45 @@
+# The libraries in the order of their dependencies: Core <- Reader <- Rendering <- Plugin/Representations. Included
+# by a build of our own and from ParaView's source tree.
+
+add_subdirectory(Core)
+if (TREEAMR_CORE_ONLY)
+  return ()
+endif ()
+
+set(layers Reader Rendering)
+if (TREEAMR_WITH_PLUGIN OR DEFINED _paraview_build_plugin)
+  list(APPEND layers Plugin/Representations)
+endif ()
+set(modules)
+set(module_files)
+foreach (layer IN LISTS layers)
+  file(GLOB found "${CMAKE_CURRENT_SOURCE_DIR}/${layer}/vtkTreeAMR*.cxx") # until every layer has a source
+  if (NOT found)
+    break ()
+  endif ()
+  cmake_path(GET layer FILENAME name)
+  list(APPEND modules TreeAMR::${name})
+  list(APPEND module_files "${CMAKE_CURRENT_SOURCE_DIR}/${layer}/vtk.module")
+endforeach ()
+if (NOT module_files)
+  return ()
+endif ()
+vtk_module_scan(
+  MODULE_FILES ${module_files}
+  REQUEST_MODULES ${modules}
+  PROVIDES_MODULES provided_modules
+  REQUIRES_MODULES required_modules
+  HIDE_MODULES_FROM_CACHE ON
+  ENABLE_TESTS OFF)
+foreach (module IN LISTS required_modules)
+  if (NOT TARGET ${module})
+    message(FATAL_ERROR "VTK or ParaView lacks the module ${module}.")
+  endif ()
+endforeach ()
+vtk_module_build(
+  MODULES ${provided_modules}
+  PACKAGE TreeAMR
+  INSTALL_EXPORT TreeAMR
+  HEADERS_DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/treeamr"
+  CMAKE_DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/TreeAMR"
+  TEST_DIRECTORY_NAME NONE)

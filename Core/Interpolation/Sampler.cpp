@@ -1,0 +1,264 @@
+#include "Interpolation/Sampler.h"
+
+#include "Interpolation/VertexValues.h"
+
+#include <cmath>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Where in a leaf a point is: 0 to 1 per axis.
+using Local = std::array<double, 3>;
+
+/// Goes from the root to the leaf that covers a point given in units of the padded root, in [0, 1]. On planes
+/// between cells the upper cell is taken, or the lower one along the axes in `lower`.
+bool descendTo(TreePath& path, std::array<double, 3> p, unsigned lower, Local& local) noexcept
+{
+  while (path.node().isInner())
+  {
+    int octant = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] *= 2.;
+      const bool upper = lower >> a & 1 ? p[a] > 1. : p[a] >= 1.;
+      octant |= upper << a;
+      p[a] -= upper;
+    }
+    path.descend(octant);
+  }
+  local = p;
+  return path.node().isLeaf();
+}
+
+/// Finds the leaf whose closed box holds the point. At most 8 tries, and more than one only where a point
+/// lies on a plane of the finest lattice, as its first leaf may be missing.
+bool locate(TreePath& path, const RootGrid& grid, const std::array<double, 3>& pWorld, Local& local) noexcept
+{
+  std::array<double, 3> p;
+  unsigned onPlane = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double root = grid.latticeCoordinate(a, pWorld[a]);
+    if (!(root >= 0.))
+    {
+      return false;
+    }
+    const double finest = std::ldexp(root, path.octree().leafLevels());
+    onPlane |= static_cast<unsigned>(finest == std::floor(finest)) << a;
+    p[a] = std::ldexp(root, -grid.paddingDepth());
+  }
+  for (unsigned lower = 0; lower < 8; ++lower)
+  {
+    if ((lower & ~onPlane) == 0)
+    {
+      path.reset();
+      if (descendTo(path, p, lower, local))
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// Scales a derivative per cell width to one per world coordinate.
+void toWorld(const TreePath& path, std::array<double, 3>& gradient) noexcept
+{
+  const Bounds b = path.octree().grid().nodeBounds(path.index(), path.depth());
+  for (int a = 0; a < 3; ++a)
+  {
+    gradient[a] /= b.max[a] - b.min[a];
+  }
+}
+
+/// A weighted sum over the corners of a box and its derivative; corners without a value are left out.
+class CornerSum
+{
+public:
+  /// f: position in the box, 0 to 1.
+  explicit CornerSum(const std::array<double, 3>& f) noexcept
+    : f_(f)
+  {
+  }
+  void add(int corner, double value) noexcept
+  {
+    std::array<double, 3> w;
+    std::array<double, 3> d;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = corner >> a & 1;
+      w[a] = upper ? f_[a] : 1. - f_[a];
+      d[a] = upper ? 1. : -1.;
+    }
+    addTerm(value, w[0] * w[1] * w[2], { d[0] * w[1] * w[2], w[0] * d[1] * w[2], w[0] * w[1] * d[2] });
+  }
+  double value() const noexcept { return sum_ / weight_; }
+  /// Per width of the box.
+  std::array<double, 3> gradient() const noexcept
+  {
+    std::array<double, 3> g;
+    for (int a = 0; a < 3; ++a)
+    {
+      g[a] = (dSum_[a] - value() * dWeight_[a]) / weight_;
+    }
+    return g;
+  }
+
+private:
+  void addTerm(double value, double weight, const std::array<double, 3>& dWeight) noexcept
+  {
+    sum_ += weight * value;
+    weight_ += weight;
+    for (int a = 0; a < 3; ++a)
+    {
+      dSum_[a] += dWeight[a] * value;
+      dWeight_[a] += dWeight[a];
+    }
+  }
+  std::array<double, 3> f_;
+  double sum_ = 0.;
+  double weight_ = 0.;
+  std::array<double, 3> dSum_{};
+  std::array<double, 3> dWeight_{};
+};
+
+void sampleNearest(const TreePath& path, const Field& field, const Local&, FieldSample& out) noexcept
+{
+  out = { field.value(path.node()), {} };
+}
+
+template <VertexRule Rule>
+void sampleOctant(const TreePath& path, const Field& field, const Local& local, FieldSample& out) noexcept
+{
+  const VertexValues v = vertexValues<Rule>(path, field);
+  int base = 0;
+  std::array<double, 3> f;
+  constexpr std::array<int, 3> stride{ 1, 3, 9 };
+  for (int a = 0; a < 3; ++a)
+  {
+    const bool upper = local[a] >= 0.5;
+    base += upper ? stride[a] : 0;
+    f[a] = 2. * local[a] - upper;
+  }
+  CornerSum sum(f);
+  for (int c = 0; c < 8; ++c)
+  {
+    sum.add(c, v[base + (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2)]);
+  }
+  out = { sum.value(), sum.gradient() };
+  for (double& g : out.gradient)
+  {
+    g *= 2.;
+  }
+}
+
+/// Trilinear on the dual grid of the cells `finer` levels below the leaf. False, and nothing done, when a
+/// corner is refined further and `stopAtFiner` asks to be told.
+bool sampleDual(const TreePath& path, const Field& field, const Local& local, int finer, bool stopAtFiner,
+  FieldSample& out) noexcept
+{
+  const double scale = std::ldexp(1., finer);
+  std::array<Coord, 3> base;
+  std::array<double, 3> f;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double at = local[a] * scale - 0.5;
+    base[a] = static_cast<Coord>(std::floor(at));
+    f[a] = at - static_cast<double>(base[a]);
+  }
+  CornerSum sum(f);
+  for (int c = 0; c < 8; ++c)
+  {
+    int entry = 0;
+    std::array<Coord, 3> cell;
+    for (int a = 2; a >= 0; --a)
+    {
+      cell[a] = base[a] + (c >> a & 1);
+      entry = 3 * entry + static_cast<int>(cell[a] >> finer) + 1;
+    }
+    NodeRef node = path.around(path.depth())[entry];
+    for (int bit = finer - 1; bit >= 0 && node.isInner(); --bit)
+    {
+      node = path.octree().child(
+        node, static_cast<int>((cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1 | (cell[2] >> bit & 1) << 2));
+    }
+    if (node.isInner() && stopAtFiner)
+    {
+      return false;
+    }
+    if (!node.isNone())
+    {
+      sum.add(c, field.value(node));
+    }
+  }
+  out = { sum.value(), sum.gradient() };
+  for (double& g : out.gradient)
+  {
+    g *= scale;
+  }
+  return true;
+}
+
+void sampleCurrent(const TreePath& path, const Field& field, const Local& local, FieldSample& out) noexcept
+{
+  sampleDual(path, field, local, 0, false, out);
+}
+
+void sampleFinest(const TreePath& path, const Field& field, const Local& local, FieldSample& out) noexcept
+{
+  for (int finer = 0; !sampleDual(path, field, local, finer, true, out); ++finer)
+  {
+  }
+}
+
+using LeafRule = void (*)(const TreePath&, const Field&, const Local&, FieldSample&) noexcept;
+
+template <LeafRule Rule>
+class SamplerOf : public Sampler
+{
+public:
+  explicit SamplerOf(std::shared_ptr<const Field> field)
+    : field_(std::move(field))
+  {
+  }
+  bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const override
+  {
+    TreePath path(field_->octree());
+    Local local;
+    if (!locate(path, field_->octree().grid(), pWorld, local))
+    {
+      return false;
+    }
+    Rule(path, *field_, local, sample);
+    toWorld(path, sample.gradient);
+    return true;
+  }
+
+private:
+  std::shared_ptr<const Field> field_;
+};
+
+} // namespace
+
+std::unique_ptr<Sampler> Sampler::create(InterpolationMethod method, std::shared_ptr<const Field> field)
+{
+  switch (method)
+  {
+    case InterpolationMethod::Nearest:
+      return std::make_unique<SamplerOf<sampleNearest>>(std::move(field));
+    case InterpolationMethod::Current:
+      return std::make_unique<SamplerOf<sampleCurrent>>(std::move(field));
+    case InterpolationMethod::Finest:
+      return std::make_unique<SamplerOf<sampleFinest>>(std::move(field));
+    case InterpolationMethod::Octant:
+      return std::make_unique<SamplerOf<sampleOctant<VertexRule::Octant>>>(std::move(field));
+    case InterpolationMethod::GTI:
+      break;
+  }
+  return std::make_unique<SamplerOf<sampleOctant<VertexRule::GTI>>>(std::move(field));
+}
+
+} // namespace treeamr

@@ -1,0 +1,45 @@
+// Values and gradients of the reconstructed field at points: the paper's five methods behind one interface.
+//
+// nearest  the cell's value
+// current  trilinear on the dual grid of the cell's own level (Wald et al. 2017)
+// finest   trilinear on the dual grid of the finest level around the point (Wald et al. 2017)
+// octant   continuous and adaptive, equal weights at level boundaries (Wang et al. 2019)
+// GTI      the paper's generalized trilinear interpolation
+// A corner of a dual cell without a cell takes no part: the others' weights are renormalised.
+#pragma once
+
+#include "Octree/Field.h"
+
+#include <array>
+#include <memory>
+
+namespace treeamr
+{
+
+enum class InterpolationMethod
+{
+  Nearest,
+  Current,
+  Finest,
+  Octant,
+  GTI
+};
+
+struct FieldSample
+{
+  double value = 0.;
+  std::array<double, 3> gradient{}; // d value / d world coordinate
+};
+
+class Sampler
+{
+public:
+  virtual ~Sampler() = default;
+  /// False, and `sample` untouched, where there is no cell (cells are closed boxes) or pWorld is not finite.
+  /// Safe from several threads.
+  virtual bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const = 0;
+
+  static std::unique_ptr<Sampler> create(InterpolationMethod method, std::shared_ptr<const Field> field);
+};
+
+} // namespace treeamr

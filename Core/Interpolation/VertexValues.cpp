@@ -1,0 +1,230 @@
+// V(v) of Generalized Trilinear Interpolation for any level jump and missing cells. The paper (section 5)
+// shows the 2:1 case; larger jumps follow from two statements that depend on the vertex and the tree alone:
+// the coarsest leaf that touches a vertex decides the level at which it is evaluated, and a vertex that hangs
+// on a coarser face or edge is interpolated from that level's vertices.
+#include "Interpolation/VertexValues.h"
+
+#include "Interpolation/GTIWeights.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// One of the cells around a vertex: its place in a neighbourhood and, should it be refined, its children
+/// that touch the vertex.
+struct Slot
+{
+  std::uint8_t entry;
+  std::uint8_t children; // mask of octants
+};
+
+struct VertexSlots
+{
+  std::uint8_t dimensions; // axes along which the vertex separates slots
+  std::array<Slot, 8> slot;
+};
+
+constexpr std::array<VertexSlots, 27> makeVertexSlots()
+{
+  std::array<VertexSlots, 27> table{};
+  for (int v = 0; v < 27; ++v)
+  {
+    const std::array<int, 3> at{ v % 3, v / 3 % 3, v / 9 };
+    VertexSlots& t = table[v];
+    std::array<int, 3> axes{};
+    for (int a = 0; a < 3; ++a)
+    {
+      if (at[a] != 1)
+      {
+        axes[t.dimensions++] = a;
+      }
+    }
+    for (int s = 0; s < 1 << t.dimensions; ++s)
+    {
+      std::array<int, 3> entry{ 1, 1, 1 };
+      std::array<int, 3> side{ -1, -1, -1 };
+      for (int d = 0; d < t.dimensions; ++d)
+      {
+        side[axes[d]] = s >> d & 1;
+        entry[axes[d]] = (at[axes[d]] == 0 ? 0 : 1) + side[axes[d]];
+      }
+      t.slot[s].entry = static_cast<std::uint8_t>(entry[0] + 3 * entry[1] + 9 * entry[2]);
+      for (int o = 0; o < 8; ++o)
+      {
+        bool touches = true;
+        for (int a = 0; a < 3; ++a)
+        {
+          // The slot on the lower side touches the vertex with its upper children, and the other way round.
+          touches = touches && (side[a] < 0 || (o >> a & 1) != side[a]);
+        }
+        t.slot[s].children |= static_cast<std::uint8_t>(touches << o);
+      }
+    }
+  }
+  return table;
+}
+
+constexpr std::array<VertexSlots, 27> vertexSlots = makeVertexSlots();
+
+template <VertexRule Rule>
+class Evaluator
+{
+public:
+  Evaluator(const TreePath& path, const Field& field) noexcept
+    : path_(path)
+    , field_(field)
+  {
+  }
+
+  /// The vertex of the path's node at `depth`; some leaf of that depth or coarser touches it.
+  double value(int depth, int vertex) const noexcept
+  {
+    const VertexSlots& slots = vertexSlots[vertex];
+    const Neighbourhood& around = path_.around(depth);
+    int coarsest = depth;
+    for (int s = 0; s < 1 << slots.dimensions; ++s)
+    {
+      const NodeRef node = around[slots.slot[s].entry];
+      coarsest = node.isLeaf() ? std::min(coarsest, node.depth()) : coarsest;
+    }
+    return coarsest == depth ? onLattice(around, slots) : fromCoarser(depth, vertex, coarsest);
+  }
+
+private:
+  /// Interpolates between the vertices of a coarser level around this one, all of them vertices of the
+  /// path's node at that depth, because that node touches this vertex.
+  double fromCoarser(int depth, int vertex, int coarser) const noexcept
+  {
+    const int up = depth - coarser;
+    const std::array<int, 3> at{ vertex % 3, vertex / 3 % 3, vertex / 9 };
+    constexpr std::array<int, 3> stride{ 1, 3, 9 };
+    int base = 0;
+    std::array<double, 3> fraction{};
+    std::array<int, 3> strideOf{};
+    int hanging = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      const Coord position = 2 * path_.index(depth)[a] + at[a]; // in half widths
+      const Coord floor = position >> up;
+      base += stride[a] * static_cast<int>(floor - 2 * path_.index(coarser)[a]);
+      const Coord rest = position - (floor << up);
+      if (rest != 0)
+      {
+        fraction[hanging] = static_cast<double>(rest) / static_cast<double>(Coord(1) << up);
+        strideOf[hanging++] = stride[a];
+      }
+    }
+    double sum = 0.;
+    for (int corner = 0; corner < 1 << hanging; ++corner)
+    {
+      double weight = 1.;
+      int v = base;
+      for (int d = 0; d < hanging; ++d)
+      {
+        const bool upper = corner >> d & 1;
+        weight *= upper ? fraction[d] : 1. - fraction[d];
+        v += upper ? strideOf[d] : 0;
+      }
+      sum += weight * value(coarser, v);
+    }
+    return sum;
+  }
+
+  /// A vertex between leaves and refined nodes of one level.
+  double onLattice(const Neighbourhood& around, const VertexSlots& slots) const noexcept
+  {
+    const int count = 1 << slots.dimensions;
+    std::array<double, 8> data;
+    unsigned present = 0;
+    unsigned refined = 0;
+    for (int s = 0; s < count; ++s)
+    {
+      const NodeRef node = around[slots.slot[s].entry];
+      const bool has = !node.isNone() && slotValue(node, slots.slot[s].children, data[s]);
+      present |= static_cast<unsigned>(has) << s;
+      refined |= static_cast<unsigned>(has && node.isInner()) << s;
+    }
+    const double* weights = weightsOf(slots.dimensions, refined);
+    double sum = 0.;
+    double total = 0.;
+    for (int s = 0; s < count; ++s)
+    {
+      if (present >> s & 1)
+      {
+        sum += weights[s] * data[s];
+        total += weights[s];
+      }
+    }
+    return present == (1u << count) - 1 ? sum : sum / total;
+  }
+
+  /// False when no cell of the slot touches the vertex.
+  bool slotValue(NodeRef node, unsigned touching, double& value) const noexcept
+  {
+    if (node.isLeaf() || Rule == VertexRule::Octant)
+    {
+      value = field_.value(node);
+      return true;
+    }
+    double sum = 0.;
+    int count = 0;
+    for (; touching != 0; touching &= touching - 1)
+    {
+      const NodeRef child = path_.octree().child(node, std::countr_zero(touching));
+      if (!child.isNone())
+      {
+        sum += field_.value(child);
+        ++count;
+      }
+    }
+    value = sum / count;
+    return count != 0;
+  }
+
+  static const double* weightsOf(int dimensions, unsigned refined) noexcept
+  {
+    if constexpr (Rule == VertexRule::Octant)
+    {
+      refined = 0; // all slots at one distance: equal weights
+    }
+    static constexpr double one = 1.;
+    switch (dimensions)
+    {
+      case 0:
+        return &one;
+      case 1:
+        return GTIWeights<1>::table()[refined].data();
+      case 2:
+        return GTIWeights<2>::table()[refined].data();
+      default:
+        return GTIWeights<3>::table()[refined].data();
+    }
+  }
+
+  const TreePath& path_;
+  const Field& field_;
+};
+
+} // namespace
+
+template <VertexRule Rule>
+VertexValues vertexValues(const TreePath& path, const Field& field) noexcept
+{
+  const Evaluator<Rule> evaluator(path, field);
+  VertexValues values;
+  for (int v = 0; v < 27; ++v)
+  {
+    values[v] = static_cast<float>(evaluator.value(path.depth(), v));
+  }
+  return values;
+}
+
+template VertexValues vertexValues<VertexRule::GTI>(const TreePath&, const Field&) noexcept;
+template VertexValues vertexValues<VertexRule::Octant>(const TreePath&, const Field&) noexcept;
+
+} // namespace treeamr

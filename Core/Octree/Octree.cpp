@@ -1,0 +1,11 @@
+#include "Octree/Octree.h"
+
+namespace treeamr
+{
+
+std::size_t Octree::byteSize() const noexcept
+{
+  return nodes_.capacity() * sizeof(InnerNode) + bases_.capacity() * sizeof(Base) + ghost_.capacity() / 8;
+}
+
+} // namespace treeamr

@@ -1,0 +1,49 @@
+// Builds an octree level by level from anything that can be asked top-down for its nodes.
+//
+// A Source has
+//   using Handle = ...;                                   a trivially copyable name of a node
+//   bool root(const std::array<Coord, 3>&, Handle&) const; the tree at a place of the root lattice; false: none
+//   NodeKind kind(const Handle&) const;                   never Inner when no leaf is below
+//   Handle child(const Handle&, int octant) const;        of a node whose kind is Inner (None children included)
+//   float value(const Handle&) const;                     of a leaf
+//   bool isGhost(const Handle&) const;                    of a leaf
+//   static constexpr bool hasGhosts / bool ...            whether isGhost is ever true: bool ghosts() const
+// and is called from several threads at once.
+#pragma once
+
+#include "Octree/Octree.h"
+
+#include <memory>
+#include <vector>
+
+namespace treeamr
+{
+
+/// One cell of an unsorted list.
+struct LeafCell
+{
+  CellId cell;
+  float value = 0.f;
+};
+
+struct OctreeAndValues
+{
+  std::shared_ptr<const Octree> octree;
+  std::vector<float> values; // of leaf i
+};
+
+/// Builds the topology and gathers the leaves' values on the way. Throws Error.
+template <class Source>
+OctreeAndValues buildOctree(RootGrid grid, const Source& source);
+
+/// The values of another field of the same topology, in the octree's leaf order.
+template <class Source>
+std::vector<float> gatherLeafValues(const Octree& octree, const Source& source);
+
+/// From cells in any order. Throws Error naming the cell when one lies outside the root grid, is deeper than
+/// RootGrid::maxLevel(), or overlaps another.
+OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells);
+
+} // namespace treeamr
+
+#include "Octree/OctreeBuilder.inl"

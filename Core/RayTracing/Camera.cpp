@@ -1,0 +1,182 @@
+#include "RayTracing/Camera.h"
+
+#include "Error.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Gauss-Jordan elimination with row pivots.
+Matrix4 inverse(const Matrix4& m)
+{
+  double a[4][8] = {};
+  for (int r = 0; r < 4; ++r)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      a[r][c] = m[4 * r + c];
+    }
+    a[r][4 + r] = 1.;
+  }
+  for (int c = 0; c < 4; ++c)
+  {
+    int pivot = c;
+    for (int r = c + 1; r < 4; ++r)
+    {
+      pivot = std::abs(a[r][c]) > std::abs(a[pivot][c]) ? r : pivot;
+    }
+    if (!(std::abs(a[pivot][c]) > 0.) || !std::isfinite(a[pivot][c]))
+    {
+      throw Error("camera: the matrix from data to clip coordinates is singular or not finite");
+    }
+    std::swap(a[c], a[pivot]);
+    const double scale = 1. / a[c][c];
+    for (double& x : a[c])
+    {
+      x *= scale;
+    }
+    for (int r = 0; r < 4; ++r)
+    {
+      const double factor = a[r][c];
+      for (int k = 0; r != c && k < 8; ++k)
+      {
+        a[r][k] -= factor * a[c][k];
+      }
+    }
+  }
+  Matrix4 out;
+  for (int r = 0; r < 4; ++r)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      out[4 * r + c] = a[r][4 + c];
+    }
+  }
+  return out;
+}
+
+} // namespace
+
+Camera::Camera(const Matrix4& clipFromData, const Matrix4& worldFromData, int width, int height)
+  : clipFromData_(clipFromData)
+  , dataFromClip_(inverse(clipFromData))
+  , worldFromData_(worldFromData)
+  , width_(width)
+  , height_(height)
+{
+  if (width < 1 || height < 1)
+  {
+    throw Error("camera: an image of " + std::to_string(width) + " x " + std::to_string(height) +
+      " pixels, allowed are positive sizes");
+  }
+  // Affine matrices keep w constant: parallel projection.
+  perspective_ = clipFromData[12] != 0. || clipFromData[13] != 0. || clipFromData[14] != 0.;
+  const Matrix4& m = dataFromClip_;
+  if (perspective_)
+  {
+    // The point whose clip x, y and w vanish.
+    for (int a = 0; a < 3; ++a)
+    {
+      eye_[a] = m[4 * a + 2] / m[14];
+    }
+    const Vec3 near = unproject(0., 0., -1.);
+    const Vec3 far = unproject(0., 0., 1.);
+    double along = 0.;
+    for (int a = 0; a < 3; ++a)
+    {
+      along += (far[a] - near[a]) * (m[4 * a + 3] - eye_[a] * m[15]);
+    }
+    forward_ = along < 0. ? -1. : 1.;
+  }
+}
+
+Vec3 Camera::unproject(double x, double y, double z) const noexcept
+{
+  const Matrix4& m = dataFromClip_;
+  const double w = m[12] * x + m[13] * y + m[14] * z + m[15];
+  Vec3 p;
+  for (int a = 0; a < 3; ++a)
+  {
+    p[a] = (m[4 * a] * x + m[4 * a + 1] * y + m[4 * a + 2] * z + m[4 * a + 3]) / w;
+  }
+  return p;
+}
+
+Ray Camera::ray(int px, int py) const noexcept
+{
+  const double x = 2. * (px + 0.5) / width_ - 1.;
+  const double y = 2. * (py + 0.5) / height_ - 1.;
+  const Matrix4& m = dataFromClip_;
+  Ray ray;
+  if (perspective_)
+  {
+    // The direction is the pixel's point at infinity; a difference of two unprojected points would lose
+    // digits far from the coordinate origin.
+    ray.origin = eye_;
+    const double w = m[12] * x + m[13] * y + m[15];
+    for (int a = 0; a < 3; ++a)
+    {
+      ray.direction[a] = forward_ * (m[4 * a] * x + m[4 * a + 1] * y + m[4 * a + 3] - eye_[a] * w);
+    }
+  }
+  else
+  {
+    ray.origin = unproject(x, y, -1.);
+    for (int a = 0; a < 3; ++a)
+    {
+      ray.direction[a] = m[4 * a + 2] / m[15];
+    }
+  }
+  double squared = 0.;
+  for (int r = 0; r < 3; ++r)
+  {
+    double d = 0.;
+    for (int c = 0; c < 3; ++c)
+    {
+      d += worldFromData_[4 * r + c] * ray.direction[c];
+    }
+    squared += d * d;
+  }
+  const double scale = 1. / std::sqrt(squared);
+  for (double& d : ray.direction)
+  {
+    d *= scale;
+  }
+  return ray;
+}
+
+double Camera::tFromDepth(int px, int py, const Ray& ray, double depth) const noexcept
+{
+  const Vec3 p =
+    unproject(2. * (px + 0.5) / width_ - 1., 2. * (py + 0.5) / height_ - 1., 2. * depth - 1.);
+  double along = 0.;
+  double squared = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    along += (p[a] - ray.origin[a]) * ray.direction[a];
+    squared += ray.direction[a] * ray.direction[a];
+  }
+  return along / squared;
+}
+
+double Camera::depthFromT(const Ray& ray, double t) const noexcept
+{
+  const Matrix4& m = clipFromData_;
+  double z = m[11];
+  double w = m[15];
+  for (int a = 0; a < 3; ++a)
+  {
+    const double p = ray.origin[a] + t * ray.direction[a];
+    z += m[8 + a] * p;
+    w += m[12 + a] * p;
+  }
+  return 0.5 * z / w + 0.5;
+}
+
+} // namespace treeamr

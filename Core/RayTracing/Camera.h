@@ -1,0 +1,53 @@
+// The rays of an image, from the matrix that takes data coordinates to clip space.
+#pragma once
+
+#include <array>
+
+namespace treeamr
+{
+
+using Vec3 = std::array<double, 3>;
+/// Row-major, applied to column vectors.
+using Matrix4 = std::array<double, 16>;
+
+/// A ray in data coordinates; t counts world length from the origin.
+struct Ray
+{
+  Vec3 origin;
+  Vec3 direction;
+};
+
+class Camera
+{
+public:
+  /// clipFromData: data coordinates to clip space, NDC z from -1 (near) to 1 (far).
+  /// worldFromData: the prop's matrix; only lengths along rays are taken from it.
+  /// width x height pixels; pixel (0, 0) is at the lower left. Throws Error for a singular matrix.
+  Camera(const Matrix4& clipFromData, const Matrix4& worldFromData, int width, int height);
+
+  int width() const noexcept { return width_; }
+  int height() const noexcept { return height_; }
+  bool isPerspective() const noexcept { return perspective_; }
+  /// Projection centre in data coordinates; perspective only.
+  const Vec3& eye() const noexcept { return eye_; }
+
+  /// The ray through the centre of a pixel. Its origin is the eye, or a point of the near plane.
+  Ray ray(int x, int y) const noexcept;
+  /// t at a window depth in [0, 1] (0 = near plane) along the pixel's ray.
+  double tFromDepth(int x, int y, const Ray& ray, double depth) const noexcept;
+  /// Window depth of the point at t.
+  double depthFromT(const Ray& ray, double t) const noexcept;
+
+private:
+  Vec3 unproject(double xNdc, double yNdc, double zNdc) const noexcept;
+  Matrix4 clipFromData_;
+  Matrix4 dataFromClip_;
+  Matrix4 worldFromData_;
+  int width_;
+  int height_;
+  bool perspective_ = false;
+  Vec3 eye_{};
+  double forward_ = 1.; // sign that turns ray directions away from the eye
+};
+
+} // namespace treeamr

@@ -1,0 +1,24 @@
+// What the renderers fill.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace treeamr
+{
+
+/// width x height pixels, lower left first; RGBA, colour premultiplied with alpha.
+struct Image
+{
+  Image(int w, int h)
+    : width(w)
+    , height(h)
+    , rgba(4 * static_cast<std::size_t>(w) * h, 0.f)
+  {
+  }
+  int width;
+  int height;
+  std::vector<float> rgba;
+};
+
+} // namespace treeamr

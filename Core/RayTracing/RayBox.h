@@ -1,0 +1,50 @@
+// The part of a ray inside an axis-aligned box.
+#pragma once
+
+#include "RayTracing/Camera.h"
+
+#include <array>
+
+namespace treeamr
+{
+
+/// A ray with its reciprocal direction. Slab planes shared by two boxes give both the same bits.
+struct SlabRay
+{
+  Vec3 origin;
+  Vec3 direction;
+  Vec3 inverse;
+
+  explicit SlabRay(const Ray& ray) noexcept
+    : origin(ray.origin)
+    , direction(ray.direction)
+    , inverse{ 1. / ray.direction[0], 1. / ray.direction[1], 1. / ray.direction[2] }
+  {
+  }
+
+  /// Narrows [t0, t1] to the box; false when nothing is left. A ray parallel to a face belongs to the box whose
+  /// half-open side [min, max) it runs in, so of two neighbours exactly one has it.
+  bool clip(const Vec3& boxMin, const Vec3& boxMax, double& t0, double& t1) const noexcept
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      if (direction[a] == 0.)
+      {
+        if (!(origin[a] >= boxMin[a] && origin[a] < boxMax[a]))
+        {
+          return false;
+        }
+        continue;
+      }
+      const double u = (boxMin[a] - origin[a]) * inverse[a];
+      const double v = (boxMax[a] - origin[a]) * inverse[a];
+      const double in = u < v ? u : v;
+      const double out = u < v ? v : u;
+      t0 = in > t0 ? in : t0;
+      t1 = out < t1 ? out : t1;
+    }
+    return t0 < t1;
+  }
+};
+
+} // namespace treeamr

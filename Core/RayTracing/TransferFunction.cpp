@@ -1,0 +1,74 @@
+#include "RayTracing/TransferFunction.h"
+
+#include "Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace treeamr
+{
+
+TransferFunction::TransferFunction(double min, double max, std::vector<Entry> entries)
+  : min_(min)
+  , scale_(max > min ? static_cast<double>(entries.size() - 1) / (max - min) : 0.)
+  , entries_(std::move(entries))
+{
+  if (entries_.size() < 2)
+  {
+    throw Error("transfer function: " + std::to_string(entries_.size()) + " entries, allowed are 2 or more");
+  }
+  if (!std::isfinite(max - min) || max < min)
+  {
+    throw Error("transfer function: interval [" + std::to_string(min) + ", " + std::to_string(max) +
+      "], allowed are finite ones that do not decrease");
+  }
+  visibleBefore_.resize(entries_.size() + 1, 0);
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+  {
+    const Entry& e = entries_[i];
+    if (!(e.extinction >= 0.f) || !std::isfinite(e.extinction) || !std::isfinite(e.r + e.g + e.b))
+    {
+      throw Error("transfer function: entry " + std::to_string(i) + " has extinction " +
+        std::to_string(e.extinction) + "; colours must be finite, extinctions finite and not negative");
+    }
+    visibleBefore_[i + 1] = visibleBefore_[i] + (e.extinction > 0.f);
+  }
+}
+
+float TransferFunction::extinctionFromOpacity(double opacity, double unitDistance) noexcept
+{
+  // Opaque stays opaque over any step, yet finite, so that interpolation beside it makes no NaN.
+  constexpr double opaque = 1e30;
+  if (!(opacity > 0.))
+  {
+    return 0.f;
+  }
+  return static_cast<float>(opacity < 1. ? std::min(opaque, -std::log1p(-opacity) / unitDistance) : opaque);
+}
+
+double TransferFunction::position(float value) const noexcept
+{
+  return std::clamp((value - min_) * scale_, 0., static_cast<double>(entries_.size() - 1));
+}
+
+TransferFunction::Entry TransferFunction::at(float value) const noexcept
+{
+  const double p = position(value);
+  const auto i = std::min(static_cast<std::size_t>(p), entries_.size() - 2);
+  const auto f = static_cast<float>(p - static_cast<double>(i));
+  const Entry& a = entries_[i];
+  const Entry& b = entries_[i + 1];
+  return { a.r + f * (b.r - a.r), a.g + f * (b.g - a.g), a.b + f * (b.b - a.b),
+    a.extinction + f * (b.extinction - a.extinction) };
+}
+
+bool TransferFunction::isVisible(Range range) const noexcept
+{
+  // position() does not decrease, so every value of the range reads entries between these two.
+  const auto first = std::min(static_cast<std::size_t>(position(range.min)), entries_.size() - 2);
+  const auto last = std::min(static_cast<std::size_t>(position(range.max)), entries_.size() - 2) + 1;
+  return visibleBefore_[last + 1] > visibleBefore_[first];
+}
+
+} // namespace treeamr

@@ -1,0 +1,41 @@
+// Colour and extinction over the field's value, tabulated.
+#pragma once
+
+#include "Octree/Field.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace treeamr
+{
+
+class TransferFunction
+{
+public:
+  struct Entry
+  {
+    float r, g, b;    // not premultiplied
+    float extinction; // per unit of world length
+  };
+  /// entries: >= 2 samples equally spaced over [min, max], the ends included; linear in between, constant beyond.
+  /// Throws Error for fewer entries, a non-finite or empty interval (min == max is allowed), negative or NaN
+  /// extinction.
+  TransferFunction(double min, double max, std::vector<Entry> entries);
+
+  /// Extinction per world length of a volume whose opacity over `unitDistance` is `opacity`.
+  static float extinctionFromOpacity(double opacity, double unitDistance) noexcept;
+
+  Entry at(float value) const noexcept;
+  /// Whether some value of the range has extinction: exact, so that skipping by it never changes a pixel.
+  bool isVisible(Range range) const noexcept;
+
+private:
+  double position(float value) const noexcept;
+  double min_; // double: values up to 1e38 have differences beyond float
+  double scale_;
+  std::vector<Entry> entries_;
+  std::vector<std::uint32_t> visibleBefore_; // entries with extinction among the first i
+};
+
+} // namespace treeamr

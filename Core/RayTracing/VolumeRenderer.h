@@ -1,0 +1,52 @@
+// Direct volume rendering (the paper's section 6.1): emission and absorption, front to back.
+#pragma once
+
+#include "Octree/Field.h"
+#include "RayTracing/Camera.h"
+#include "RayTracing/Image.h"
+#include "RayTracing/TransferFunction.h"
+
+#include <cstdint>
+
+namespace treeamr
+{
+
+/// The part of each pixel's ray to render, in window depths [0, 1]; nothing where begin >= end.
+/// A null pointer stands for 0 (begin) or 1 (end) everywhere. width * height entries, lower left first.
+struct DepthInterval
+{
+  const float* begin = nullptr;
+  const float* end = nullptr;
+};
+
+struct VolumeSettings
+{
+  /// Samples along a cell's width, up to the maximum; every ray takes at least one in each cell it crosses.
+  double samplesPerCell = 2.;
+  static constexpr double maxSamplesPerCell = 1e6;
+  /// Leave out nodes whose range is transparent. Never changes a pixel; off only to test that.
+  bool skipEmpty = true;
+};
+
+/// What a frame did.
+struct VolumeStatistics
+{
+  std::uint64_t nodes = 0;   // inner nodes entered
+  std::uint64_t cells = 0;   // cells whose vertex values were computed
+  std::uint64_t samples = 0; // of the field along rays
+
+  VolumeStatistics& operator+=(const VolumeStatistics& other) noexcept
+  {
+    nodes += other.nodes;
+    cells += other.cells;
+    samples += other.samples;
+    return *this;
+  }
+};
+
+/// Renders into `image` (overwritten), on all threads. The field needs its node ranges. Throws Error when the
+/// image's size is not the camera's or the settings are not finite and positive.
+VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const DepthInterval& interval, const VolumeSettings& settings, Image& image);
+
+} // namespace treeamr

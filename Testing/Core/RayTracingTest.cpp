@@ -1,0 +1,536 @@
+#include "Error.h"
+#include "Octree/OctreeBuilder.h"
+#include "RayTracing/CubicRoot.h"
+#include "RayTracing/Isosurface.h"
+#include "RayTracing/Shading.h"
+#include "RayTracing/VolumeRenderer.h"
+#include "Support/RandomTrees.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+constexpr Matrix4 identity{ 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+
+Matrix4 multiply(const Matrix4& a, const Matrix4& b)
+{
+  Matrix4 m{};
+  for (int r = 0; r < 4; ++r)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      for (int k = 0; k < 4; ++k)
+      {
+        m[4 * r + c] += a[4 * r + k] * b[4 * k + c];
+      }
+    }
+  }
+  return m;
+}
+
+Vec3 operator-(const Vec3& a, const Vec3& b)
+{
+  return { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
+}
+
+Vec3 unit(const Vec3& v)
+{
+  const double n = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  return { v[0] / n, v[1] / n, v[2] / n };
+}
+
+Vec3 cross(const Vec3& a, const Vec3& b)
+{
+  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+}
+
+double dot(const Vec3& a, const Vec3& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Matrix4 view(const Vec3& eye, const Vec3& target)
+{
+  const Vec3 back = unit(eye - target);
+  const Vec3 right = unit(cross({ 0.1, 1., 0.2 }, back));
+  const Vec3 up = cross(back, right);
+  return { right[0], right[1], right[2], -dot(right, eye), up[0], up[1], up[2], -dot(up, eye), back[0], back[1],
+    back[2], -dot(back, eye), 0, 0, 0, 1 };
+}
+
+Matrix4 perspective(double degrees, double near, double far)
+{
+  const double f = 1. / std::tan(degrees * std::numbers::pi / 360.);
+  return { f, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), 2. * far * near / (near - far), 0, 0, -1, 0 };
+}
+
+Matrix4 parallel(double halfHeight, double near, double far)
+{
+  return { 1. / halfHeight, 0, 0, 0, 0, 1. / halfHeight, 0, 0, 0, 0, 2. / (near - far),
+    (far + near) / (near - far), 0, 0, 0, 1 };
+}
+
+std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
+{
+  auto built = buildOctree(grid, cells);
+  auto field = std::make_shared<Field>(built.octree, built.values);
+  field->computeNodeRanges();
+  return field;
+}
+
+RootGrid unitCube()
+{
+  return RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. });
+}
+
+/// Length of a ray (unit direction, from its origin) inside the box, by clipping against six planes.
+double chord(const Ray& ray, const Vec3& low, const Vec3& high)
+{
+  double t0 = 0.;
+  double t1 = 1e30;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double p = (low[a] - ray.origin[a]) / ray.direction[a];
+    const double q = (high[a] - ray.origin[a]) / ray.direction[a];
+    t0 = std::max(t0, std::min(p, q));
+    t1 = std::min(t1, std::max(p, q));
+  }
+  return std::max(0., t1 - t0);
+}
+
+TransferFunction constant(float extinction)
+{
+  return TransferFunction(-1., 1., std::vector<TransferFunction::Entry>(2, { 0.5f, 0.25f, 1.f, extinction }));
+}
+
+/// Visible in part of the range only, with a smooth rise.
+TransferFunction partial()
+{
+  std::vector<TransferFunction::Entry> entries;
+  for (int i = 0; i <= 1000; ++i)
+  {
+    const auto u = static_cast<float>(i) / 1000.f;
+    entries.push_back({ u, 1.f - u, 0.5f, u < 0.6f ? 0.f : 20.f * (u - 0.6f) });
+  }
+  return TransferFunction(-1., 1., entries);
+}
+
+} // namespace
+
+TEST(Camera, RoundTripsPixelsAndDepths)
+{
+  const Matrix4 model{ 2, 0.3, 0, 5, 0, 1, 0.1, -3, 0.2, 0, 3, 1, 0, 0, 0, 1 };
+  for (const Matrix4& projection : { perspective(40., 0.1, 50.), parallel(2., 0.1, 50.) })
+  {
+    const Matrix4 clip = multiply(projection, multiply(view({ 9., 2., 7. }, { 5., -3., 1. }), model));
+    const Camera camera(clip, model, 31, 17);
+    for (int i = 0; i < 31 * 17; ++i)
+    {
+      const int x = i % 31;
+      const int y = i / 31;
+      const Ray ray = camera.ray(x, y);
+      for (const double depth : { 0., 0.3, 0.9, 1. })
+      {
+        const double t = camera.tFromDepth(x, y, ray, depth);
+        EXPECT_NEAR(camera.depthFromT(ray, t), depth, 1e-12);
+        // The point projects to the pixel's centre, and t is a length in world coordinates.
+        double h[4];
+        double w[3];
+        for (int r = 0; r < 4; ++r)
+        {
+          h[r] = clip[4 * r + 3];
+          for (int a = 0; a < 3; ++a)
+          {
+            h[r] += clip[4 * r + a] * (ray.origin[a] + t * ray.direction[a]);
+          }
+        }
+        EXPECT_NEAR((h[0] / h[3] + 1.) / 2. * 31, x + 0.5, 1e-9);
+        EXPECT_NEAR((h[1] / h[3] + 1.) / 2. * 17, y + 0.5, 1e-9);
+        double squared = 0.;
+        for (int r = 0; r < 3; ++r)
+        {
+          w[r] = dot({ model[4 * r], model[4 * r + 1], model[4 * r + 2] }, ray.direction);
+          squared += w[r] * w[r];
+        }
+        EXPECT_NEAR(squared, 1., 1e-12);
+      }
+      EXPECT_LT(camera.tFromDepth(x, y, ray, 0.2), camera.tFromDepth(x, y, ray, 0.4));
+    }
+  }
+  Matrix4 singular = identity;
+  singular[5] = 0.;
+  EXPECT_THROW(Camera(singular, identity, 4, 4), Error);
+  EXPECT_THROW(Camera(identity, identity, 0, 4), Error);
+}
+
+TEST(TransferFunction, KnowsWhereItIsVisible)
+{
+  const TransferFunction f = partial();
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> value(-1.5f, 1.5f);
+  for (int i = 0; i < 20000; ++i)
+  {
+    float a = value(random);
+    float b = value(random);
+    if (a > b)
+    {
+      std::swap(a, b);
+    }
+    bool visible = false;
+    for (int s = 0; s <= 50; ++s)
+    {
+      visible = visible || f.at(a + (b - a) * static_cast<float>(s) / 50.f).extinction > 0.f;
+    }
+    // Never left out although visible; never kept when more than a table entry away.
+    EXPECT_TRUE(f.isVisible({ a, b }) || !visible);
+    EXPECT_TRUE(!f.isVisible({ a, b }) || b > 0.2f - 0.004f);
+  }
+  using Entry = TransferFunction::Entry;
+  EXPECT_THROW(TransferFunction(0., 1., { Entry{} }), Error);
+  EXPECT_THROW(TransferFunction(1., 0., { Entry{}, Entry{} }), Error);
+  EXPECT_THROW(TransferFunction(0., 1., { Entry{}, Entry{ 0, 0, 0, -1.f } }), Error);
+  EXPECT_EQ(TransferFunction::extinctionFromOpacity(0., 1.), 0.f);
+  EXPECT_NEAR(1. - std::exp(-TransferFunction::extinctionFromOpacity(0.3, 2.) * 2.), 0.3, 1e-7);
+  EXPECT_EQ(std::exp(-TransferFunction::extinctionFromOpacity(1., 1.) * 1e-6f), 0.f);
+}
+
+TEST(Volume, HomogeneousCubeIsExact)
+{
+  const RandomTree options{ 2, { 1, 1, 1 }, 5, 0.6, 0., false };
+  auto cells = makeRandomTree(options);
+  setValues(cells, [](const auto&) { return 0.25; });
+  const auto field = makeField(unitCube(), cells);
+  // Outside, inside, and parallel.
+  const Matrix4 cameras[]{ multiply(perspective(50., 0.1, 9.), view({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })),
+    multiply(perspective(80., 1e-4, 9.), view({ 0.4, 0.45, 0.6 }, { 0.9, 0.2, 0.1 })),
+    multiply(parallel(0.9, 0.1, 9.), view({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })) };
+  for (const Matrix4& clip : cameras)
+  {
+    const Camera camera(clip, identity, 64, 48);
+    Image image(64, 48);
+    const auto statistics = renderVolume(*field, constant(1.5f), camera, {}, {}, image);
+    EXPECT_GT(statistics.samples, 1000u);
+    for (int y = 0; y < 48; ++y)
+    {
+      for (int x = 0; x < 64; ++x)
+      {
+        Ray ray = camera.ray(x, y);
+        const double near = camera.tFromDepth(x, y, ray, 0.);
+        for (int a = 0; a < 3; ++a)
+        {
+          ray.origin[a] += near * ray.direction[a];
+        }
+        const double alpha = 1. - std::exp(-1.5 * chord(ray, { 0., 0., 0. }, { 1., 1., 1. }));
+        const float* p = image.rgba.data() + 4 * (64 * y + x);
+        EXPECT_NEAR(p[3], alpha, 5e-6);
+        EXPECT_NEAR(p[0], 0.5 * alpha, 5e-6);
+        EXPECT_NEAR(p[2], alpha, 5e-6);
+      }
+    }
+  }
+}
+
+TEST(Volume, SkippingNeverChangesABit)
+{
+  std::uint64_t samplesSaved = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto field = makeField(
+      RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+    const Vec3 middle{ 0.5 * options.roots[0], 0.5 * options.roots[1], 0.5 * options.roots[2] };
+    const Camera camera(
+      multiply(perspective(40., 0.1, 99.), view({ 5., 4., 6. }, middle)), identity, 61, 53);
+    Image with(61, 53);
+    Image without(61, 53);
+    VolumeSettings settings;
+    const auto skipped = renderVolume(*field, partial(), camera, {}, settings, with);
+    settings.skipEmpty = false;
+    const auto all = renderVolume(*field, partial(), camera, {}, settings, without);
+    EXPECT_EQ(with.rgba, without.rgba);
+    samplesSaved += all.samples - skipped.samples;
+  }
+  EXPECT_GT(samplesSaved, 100000u);
+}
+
+TEST(Volume, PartsOfARayComposeToTheWhole)
+{
+  const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0., false };
+  const auto field = makeField(
+    RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+  const Camera camera(
+    multiply(perspective(40., 1., 9.), view({ 4., 3., 3.5 }, { 1., 1., 1. })), identity, 40, 40);
+  VolumeSettings settings;
+  settings.samplesPerCell = 256.; // cutting a ray moves its samples
+  const std::vector<float> cut(1600, 0.85f);
+  Image whole(40, 40);
+  Image front(40, 40);
+  Image back(40, 40);
+  renderVolume(*field, partial(), camera, {}, settings, whole);
+  renderVolume(*field, partial(), camera, { nullptr, cut.data() }, settings, front);
+  renderVolume(*field, partial(), camera, { cut.data(), nullptr }, settings, back);
+  float largest = 0.f;
+  for (std::size_t i = 0; i < whole.rgba.size(); ++i)
+  {
+    const float through = 1.f - front.rgba[i | 3];
+    EXPECT_NEAR(front.rgba[i] + through * back.rgba[i], whole.rgba[i], 2e-3);
+    largest = std::max(largest, std::min(front.rgba[i], back.rgba[i]));
+  }
+  EXPECT_GT(largest, 0.2f);
+}
+
+TEST(Volume, ConvergesWithTheStep)
+{
+  const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0., false };
+  const auto field = makeField(
+    RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+  const Camera camera(
+    multiply(perspective(40., 1., 9.), view({ 4., 3., 3.5 }, { 1., 1., 1. })), identity, 40, 40);
+  const auto render = [&](double samplesPerCell) {
+    Image image(40, 40);
+    renderVolume(*field, partial(), camera, {}, { samplesPerCell, true }, image);
+    return image.rgba;
+  };
+  const auto reference = render(512.);
+  const auto rmse = [&](double samplesPerCell) {
+    const auto image = render(samplesPerCell);
+    double sum = 0.;
+    for (std::size_t i = 0; i < image.size(); ++i)
+    {
+      sum += std::pow(image[i] - reference[i], 2);
+    }
+    return std::sqrt(sum / static_cast<double>(image.size()));
+  };
+  const double error2 = rmse(2.);
+  const double error4 = rmse(4.);
+  const double error8 = rmse(8.);
+  EXPECT_GT(error2 / error4, 2.5);
+  EXPECT_GT(error4 / error8, 2.5);
+  EXPECT_LT(error8, 2e-3);
+}
+
+TEST(Volume, RejectsBadSettings)
+{
+  const auto field = makeField(unitCube(), { { {}, 0.5f } });
+  const Camera camera(multiply(perspective(40., 1., 9.), view({ 4., 3., 3.5 }, { 0., 0., 0. })), identity, 8, 8);
+  Image wrong(8, 9);
+  Image right(8, 8);
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, wrong), Error);
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, { 0., true }, right), Error);
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, { NAN, true }, right), Error);
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, { 1e30, true }, right), Error);
+  auto built = buildOctree(unitCube(), std::vector<LeafCell>{});
+  Field empty(built.octree, built.values);
+  renderVolume(empty, constant(1.f), camera, {}, {}, right);
+  EXPECT_EQ(right.rgba, std::vector<float>(256, 0.f));
+}
+
+TEST(CubicRoot, IsTheFirstOneOfKnownRoots)
+{
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unitInterval(-0.5, 1.5);
+  int hits = 0;
+  for (int i = 0; i < 200000; ++i)
+  {
+    std::array<double, 3> r{ unitInterval(random), unitInterval(random), unitInterval(random) };
+    const double scale = std::pow(10., 20. * unitInterval(random));
+    const Cubic c{ -scale * r[0] * r[1] * r[2], scale * (r[0] * r[1] + r[1] * r[2] + r[0] * r[2]),
+      -scale * (r[0] + r[1] + r[2]), scale };
+    std::sort(r.begin(), r.end());
+    const auto first = std::find_if(r.begin(), r.end(), [](double x) { return x >= 0.; });
+    const bool expected = first != r.end() && *first <= 1.;
+    // Roots closer together than rounding of the coefficients allows to tell are not a test of the finder.
+    if (std::min(r[1] - r[0], r[2] - r[1]) < 1e-5 || (first != r.end() && std::abs(*first - 1.) < 1e-9))
+    {
+      continue;
+    }
+    double root;
+    ASSERT_EQ(firstRoot(c, root), expected) << r[0] << ' ' << r[1] << ' ' << r[2];
+    if (expected)
+    {
+      EXPECT_NEAR(root, *first, 1e-9);
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, 50000);
+}
+
+TEST(CubicRoot, SurvivesDegenerateCubics)
+{
+  double root;
+  EXPECT_TRUE(firstRoot({ 0., 0., 0., 0. }, root));
+  EXPECT_EQ(root, 0.);
+  EXPECT_FALSE(firstRoot({ 1., 0., 0., 0. }, root));
+  EXPECT_TRUE(firstRoot({ -0.25, 1., 0., 0. }, root));
+  EXPECT_EQ(root, 0.25);
+  EXPECT_TRUE(firstRoot({ -1., 0., 1., 0. }, root)); // at the far end
+  EXPECT_EQ(root, 1.);
+  EXPECT_TRUE(firstRoot({ 0., 1., 1., 1. }, root)); // at the near end
+  EXPECT_EQ(root, 0.);
+  EXPECT_TRUE(firstRoot({ 0.25, -1., 1., 0. }, root)); // double root at 1/2, exactly representable
+  EXPECT_NEAR(root, 0.5, 1e-7);
+  EXPECT_TRUE(firstRoot({ -1e-300, 1e-300, 1e-300, 1e-300 }, root));
+  EXPECT_GT(root, 0.5);
+}
+
+TEST(Isosurface, OfALinearFieldIsAPlane)
+{
+  // Away from the domain's edge every cell reproduces the plane; the surface stays inside.
+  const RandomTree options{ 21, { 2, 2, 2 }, 5, 0.55, 0., false };
+  auto cells = makeRandomTree(options);
+  const Vec3 normal{ 0.2, 1., 0.1 };
+  setValues(cells, [&](const auto& p) { return dot(normal, p); });
+  const RootGrid grid({ std::vector<double>{ 1e3, 1e3 + 1., 1e3 + 2. }, { 0., 1., 2. }, { 0., 1., 2. } });
+  const auto field = makeField(grid, cells);
+  const float isovalue = 1.31f;
+  const Isosurface surface(field, isovalue);
+  EXPECT_GT(surface.primitiveCount(), 100u);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> inside(0.75, 1.25);
+  for (int i = 0; i < 20000; ++i)
+  {
+    const Vec3 target{ 1e3 + inside(random), (isovalue - 0.2 * 1. - 0.1 * 1.) + 0.1 * (inside(random) - 1.),
+      inside(random) };
+    const Vec3 from{ 1e3 + 1. + 2. * (inside(random) - 1.), 8., 1. + 2. * (inside(random) - 1.) };
+    const Ray ray{ from, unit(target - from) };
+    Hit hit;
+    ASSERT_TRUE(surface.intersect(ray, 0., 100., hit));
+    const double expected = (isovalue - dot(normal, from - Vec3{ 1e3, 0., 0. })) / dot(normal, ray.direction);
+    EXPECT_NEAR(hit.t, expected, 2e-6);
+    const Vec3 n = unit(hit.gradient);
+    EXPECT_NEAR(dot(n, unit(normal)), 1., 1e-5);
+    EXPECT_FALSE(surface.intersect(ray, 0., expected - 1e-5, hit));
+  }
+}
+
+TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
+{
+  // The paper's Synthetic data (Figure 10): GTI reproduces f = xyz away from the domain's edge.
+  std::vector<LeafCell> cells;
+  for (int i = 0; i < 64; ++i)
+  {
+    const std::array<Coord, 3> root{ i & 3, i >> 2 & 3, i >> 4 };
+    for (int o = 0; o < 8 && root[0] >= 2; ++o)
+    {
+      cells.push_back({ { { 2 * root[0] + (o & 1), 2 * root[1] + (o >> 1 & 1), 2 * root[2] + (o >> 2) }, 1 }, 0.f });
+    }
+    if (root[0] < 2)
+    {
+      cells.push_back({ { root, 0 }, 0.f });
+    }
+  }
+  ASSERT_EQ(cells.size(), 288u);
+  setValues(cells, [](const auto& p) { return p[0] * p[1] * p[2]; });
+  const auto field = makeField(RootGrid::uniform({ 4, 4, 4 }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
+  const Isosurface surface(field, 6.5f);
+  const Camera camera(
+    multiply(perspective(40., 1., 30.), view({ 9., 8., 7. }, { 2., 2., 2. })), identity, 300, 300);
+  HitImage hits;
+  surface.render(camera, hits);
+  int interior = 0;
+  for (std::size_t i = 0; i < hits.hit.size(); ++i)
+  {
+    const Vec3& p = hits.point[i];
+    if (hits.hit[i] && p[0] > 0.5 && p[1] > 0.5 && p[2] > 0.5 && p[0] < 3.75 && p[1] < 3.5 && p[2] < 3.5)
+    {
+      ++interior;
+      // Distance from the surface to first order: residual over the gradient's length.
+      const Vec3 g{ p[1] * p[2], p[0] * p[2], p[0] * p[1] };
+      EXPECT_NEAR((p[0] * p[1] * p[2] - 6.5) / std::sqrt(dot(g, g)), 0., 1e-5);
+      EXPECT_NEAR(dot(unit(g), unit(hits.gradient[i])), 1., 1e-5);
+      EXPECT_GT(hits.depth[i], 0.f);
+      EXPECT_LT(hits.depth[i], 1.f);
+    }
+  }
+  EXPECT_GT(interior, 5000);
+}
+
+TEST(Isosurface, StaysExactInACellOfDepthNineteen)
+{
+  // The eye is a root's width away from a surface inside cells 2^-19 wide.
+  constexpr int depth = 19;
+  const double width = std::ldexp(1., -depth);
+  std::vector<LeafCell> cells;
+  std::array<Coord, 3> parent{ 0, 0, 0 };
+  for (int level = 1; level <= depth; ++level)
+  {
+    for (int o = 0; o < 8; ++o)
+    {
+      if (o != (level == 1 ? 0 : 7) || level == depth)
+      {
+        cells.push_back(
+          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level }, 0.f });
+      }
+    }
+    const Coord bit = level == 1 ? 0 : 1;
+    parent = { 2 * parent[0] + bit, 2 * parent[1] + bit, 2 * parent[2] + bit };
+  }
+  // Linear between the centres of the eight deepest cells, below the isovalue everywhere else.
+  for (LeafCell& c : cells)
+  {
+    c.value = c.cell.level == depth ? static_cast<float>((centre(c.cell)[0] - 0.5) / width) : -3.f;
+  }
+  const auto field = makeField(unitCube(), cells);
+  const Isosurface surface(field, -1.f); // the plane between the last two cells
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> local(-1.4, -0.6);
+  for (int i = 0; i < 2000; ++i)
+  {
+    const Vec3 target{ 0.5 - width, 0.5 + local(random) * width, 0.5 + local(random) * width };
+    const Vec3 from{ -1., 0.5 + 3e-7 * local(random), 0.5 };
+    const Ray ray{ from, unit(target - from) };
+    Hit hit;
+    ASSERT_TRUE(surface.intersect(ray, 0., 9., hit));
+    EXPECT_NEAR(hit.t * ray.direction[0] + from[0], 0.5 - width, 1e-5 * width);
+  }
+}
+
+TEST(Isosurface, HandlesAbsentSurfacesAndBadIsovalues)
+{
+  const auto field = makeField(unitCube(), { { {}, 0.5f } });
+  const Ray ray{ { -1., 0.4, 0.4 }, { 1., 0., 0. } };
+  Hit hit;
+  EXPECT_FALSE(Isosurface(field, 0.75f).intersect(ray, 0., 9., hit));
+  EXPECT_TRUE(Isosurface(field, 0.5f).intersect(ray, 0., 9., hit)); // flat on the isovalue: its first face
+  EXPECT_EQ(hit.t, 1.);
+  EXPECT_THROW(Isosurface(field, NAN), Error);
+  EXPECT_THROW(Isosurface(field, INFINITY), Error);
+}
+
+TEST(Shading, FollowsTheTermsOfVtk)
+{
+  Material m;
+  m.ambient = { 0.1f, 0.f, 0.f };
+  m.diffuse = { 0.5f, 0.5f, 0.f };
+  m.specular = { 0.f, 0.f, 1.f };
+  m.specularPower = 2.f;
+  const Vec3 z{ 0., 0., 1. };
+  const Vec3 slanted = unit({ 0., 1., 1. });
+  Light head;
+  head.direction = { 0., 0., -1. };
+  // cos 45 degrees for the diffuse term; the mirrored ray leaves at 90 degrees from the eye: no highlight.
+  auto c = shade(m, { head }, {}, slanted, z);
+  EXPECT_NEAR(c[0], 0.1 + 0.5 * std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(c[1], 0.5 * std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(c[2], 0., 1e-6);
+  // Seen from behind the normal is turned.
+  EXPECT_EQ(shade(m, { head }, {}, { 0., 0., -1. }, z), shade(m, { head }, {}, z, z));
+  Light spot;
+  spot.positional = true;
+  spot.position = { 0., 0., 2. };
+  spot.direction = { 0., 0., -1. };
+  spot.attenuation = { 0., 0., 1. };
+  spot.coneAngle = 30.;
+  c = shade(m, { spot }, { 0., 0., 0. }, z, z);
+  EXPECT_NEAR(c[1], 0.5 / 4., 1e-6);
+  EXPECT_NEAR(c[2], 1. / 4., 1e-6);
+  EXPECT_EQ(shade(m, { spot }, { 0., 2., 0. }, z, z)[1], 0.f); // outside the cone
+}
