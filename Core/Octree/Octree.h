@@ -11,6 +11,7 @@
 
 #include "Octree/RootGrid.h"
 
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cstdint>
@@ -77,10 +78,10 @@ public:
     if (node.leaf & bit)
     {
       return { NodeKind::Leaf, parent.depth() + 1,
-        base.leaf + node.leafDelta + std::popcount(before & node.leaf) };
+        base.leaf + node.leafDelta + bitCount[before & node.leaf] };
     }
     return { NodeKind::Inner, parent.depth() + 1,
-      base.inner + node.innerDelta + std::popcount(before & ~static_cast<unsigned>(node.leaf)) };
+      base.inner + node.innerDelta + bitCount[before & ~static_cast<unsigned>(node.leaf)] };
   }
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.
@@ -104,6 +105,15 @@ private:
     std::uint64_t inner; // first inner child of the block's first node
     std::uint64_t leaf;  // first leaf child of the block's first node
   };
+  // std::popcount is a library call on the x86-64 baseline.
+  static constexpr std::array<std::uint8_t, 256> bitCount = [] {
+    std::array<std::uint8_t, 256> table{};
+    for (unsigned i = 0; i < table.size(); ++i)
+    {
+      table[i] = static_cast<std::uint8_t>(std::popcount(i));
+    }
+    return table;
+  }();
   static constexpr int blockBits = 12;
   static_assert((8u << blockBits) <= 65536u, "differences within a block fit 16 bits");
 

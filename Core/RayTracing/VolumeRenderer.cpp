@@ -236,6 +236,10 @@ private:
       const float f = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples);
       const TransferFunction::Entry e = transferFunction_.at(leafField(
         { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] }));
+      if (e.extinction == 0.f)
+      {
+        continue;
+      }
       const float passes = std::exp(-e.extinction * step);
       const float weight = ray.transmittance * (1.f - passes);
       ray.color[0] += weight * e.r;
