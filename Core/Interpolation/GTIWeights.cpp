@@ -1,6 +1,5 @@
 #include "Interpolation/GTIWeights.h"
 
-#include <cmath>
 #include <utility>
 
 namespace treeamr
@@ -9,16 +8,21 @@ namespace treeamr
 namespace
 {
 
+constexpr double magnitude(double x)
+{
+  return x < 0. ? -x : x;
+}
+
 /// Solves the n x n system by elimination with row pivots.
 template <int N>
-std::array<double, N> solve(std::array<std::array<double, N>, N> a, std::array<double, N> b)
+constexpr std::array<double, N> solve(std::array<std::array<double, N>, N> a, std::array<double, N> b)
 {
   for (int c = 0; c < N; ++c)
   {
     int pivot = c;
     for (int r = c + 1; r < N; ++r)
     {
-      pivot = std::abs(a[r][c]) > std::abs(a[pivot][c]) ? r : pivot;
+      pivot = magnitude(a[r][c]) > magnitude(a[pivot][c]) ? r : pivot;
     }
     std::swap(a[c], a[pivot]);
     std::swap(b[c], b[pivot]);
@@ -43,14 +47,14 @@ std::array<double, N> solve(std::array<std::array<double, N>, N> a, std::array<d
   return b;
 }
 
-} // namespace
-
 template <int Dimensions>
-GTIWeights<Dimensions>::GTIWeights()
+constexpr GTIWeightTable<Dimensions> makeTable()
 {
-  for (unsigned mask = 0; mask < weights_.size(); ++mask)
+  constexpr int slots = 1 << Dimensions;
+  GTIWeightTable<Dimensions> table{};
+  for (unsigned mask = 0; mask < table.size(); ++mask)
   {
-    std::array<std::array<double, slots>, slots> transposed;
+    std::array<std::array<double, slots>, slots> transposed{};
     for (int s = 0; s < slots; ++s)
     {
       const double distance = mask >> s & 1 ? 1. : 2.; // in quarters of h: a common factor cancels
@@ -64,21 +68,18 @@ GTIWeights<Dimensions>::GTIWeights()
         transposed[basis][s] = phi;
       }
     }
-    Weights e1{};
+    GTIWeights<Dimensions> e1{};
     e1[0] = 1.;
-    weights_[mask] = solve<slots>(transposed, e1);
+    table[mask] = solve<slots>(transposed, e1);
   }
+  return table;
 }
 
-template <int Dimensions>
-const GTIWeights<Dimensions>& GTIWeights<Dimensions>::table()
-{
-  static const GTIWeights instance;
-  return instance;
-}
+} // namespace
 
-template class GTIWeights<1>;
-template class GTIWeights<2>;
-template class GTIWeights<3>;
+// Solved by the compiler: no initialisation at run time, no guard at each access.
+constinit const GTIWeightTable<1> gtiWeights1 = makeTable<1>();
+constinit const GTIWeightTable<2> gtiWeights2 = makeTable<2>();
+constinit const GTIWeightTable<3> gtiWeights3 = makeTable<3>();
 
 } // namespace treeamr

@@ -11,24 +11,16 @@
 namespace treeamr
 {
 
-/// Weights by mask of refined slots (bit s = slot s); slot s is at the side s >> a & 1 of axis a.
+/// Weights of one mask of refined slots; slot s is at the side s >> a & 1 of axis a.
 template <int Dimensions>
-class GTIWeights
-{
-public:
-  static constexpr int slots = 1 << Dimensions;
-  using Weights = std::array<double, slots>;
+using GTIWeights = std::array<double, 1 << Dimensions>;
 
-  static const GTIWeights& table();
-  const Weights& operator[](unsigned refinedMask) const noexcept { return weights_[refinedMask]; }
+/// All weights by mask (bit s = slot s is refined).
+template <int Dimensions>
+using GTIWeightTable = std::array<GTIWeights<Dimensions>, 1 << (1 << Dimensions)>;
 
-private:
-  GTIWeights();
-  std::array<Weights, 1 << slots> weights_;
-};
-
-extern template class GTIWeights<1>;
-extern template class GTIWeights<2>;
-extern template class GTIWeights<3>;
+extern const GTIWeightTable<1> gtiWeights1;
+extern const GTIWeightTable<2> gtiWeights2;
+extern const GTIWeightTable<3> gtiWeights3;
 
 } // namespace treeamr

@@ -25,7 +25,8 @@ struct Slot
 
 struct VertexSlots
 {
-  std::uint8_t dimensions; // axes along which the vertex separates slots
+  std::uint8_t dimensions;  // axes along which the vertex separates slots
+  std::uint32_t entries;    // mask of the slots' places in a neighbourhood
   std::array<Slot, 8> slot;
 };
 
@@ -54,6 +55,7 @@ constexpr std::array<VertexSlots, 27> makeVertexSlots()
         entry[axes[d]] = (at[axes[d]] == 0 ? 0 : 1) + side[axes[d]];
       }
       t.slot[s].entry = static_cast<std::uint8_t>(entry[0] + 3 * entry[1] + 9 * entry[2]);
+      t.entries |= 1u << t.slot[s].entry;
       for (int o = 0; o < 8; ++o)
       {
         bool touches = true;
@@ -198,11 +200,11 @@ private:
       case 0:
         return &one;
       case 1:
-        return GTIWeights<1>::table()[refined].data();
+        return gtiWeights1[refined].data();
       case 2:
-        return GTIWeights<2>::table()[refined].data();
+        return gtiWeights2[refined].data();
       default:
-        return GTIWeights<3>::table()[refined].data();
+        return gtiWeights3[refined].data();
     }
   }
 
@@ -210,16 +212,62 @@ private:
   const Field& field_;
 };
 
+/// Where all 27 cells are leaves of one level every vertex is a mean, and a mean of means along one axis after
+/// the other. In double precision the sums are exact for values of like size, so a neighbour that takes the
+/// general way gets the same bits.
+VertexValues uniformValues(std::array<double, 27> v) noexcept
+{
+  for (int stride = 1; stride < 27; stride *= 3)
+  {
+    for (int i = 0; i < 27; ++i)
+    {
+      if (i / stride % 3 == 1)
+      {
+        v[i - stride] = 0.5 * (v[i - stride] + v[i]);
+        v[i + stride] = 0.5 * (v[i + stride] + v[i]);
+      }
+    }
+  }
+  VertexValues values;
+  std::copy(v.begin(), v.end(), values.begin());
+  return values;
+}
+
 } // namespace
 
 template <VertexRule Rule>
 VertexValues vertexValues(const TreePath& path, const Field& field) noexcept
 {
+  const int depth = path.depth();
+  const Neighbourhood& around = path.around(depth);
+  std::array<double, 27> cells;
+  std::uint32_t sameLevel = 0; // mask of leaves of this level
+  for (int e = 0; e < 27; ++e)
+  {
+    const NodeRef node = around[e];
+    cells[e] = node.isLeaf() ? field.value(node) : 0.;
+    sameLevel |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() == depth) << e;
+  }
+  if (sameLevel == (1u << 27) - 1)
+  {
+    return uniformValues(cells);
+  }
   const Evaluator<Rule> evaluator(path, field);
   VertexValues values;
   for (int v = 0; v < 27; ++v)
   {
-    values[v] = static_cast<float>(evaluator.value(path.depth(), v));
+    const VertexSlots& slots = vertexSlots[v];
+    if ((slots.entries & ~sameLevel) != 0)
+    {
+      values[v] = static_cast<float>(evaluator.value(depth, v));
+      continue;
+    }
+    double sum = 0.;
+    for (int s = 0; s < 1 << slots.dimensions; ++s)
+    {
+      sum += cells[slots.slot[s].entry];
+    }
+    values[v] = static_cast<float>(sum / (1 << slots.dimensions));
   }
   return values;
 }
