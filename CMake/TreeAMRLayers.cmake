@@ -6,23 +6,13 @@ if (TREEAMR_CORE_ONLY)
   return ()
 endif ()
 
-set(layers Reader Rendering)
+set(modules TreeAMR::Reader TreeAMR::Rendering)
+set(module_files
+  "${CMAKE_CURRENT_SOURCE_DIR}/Reader/vtk.module"
+  "${CMAKE_CURRENT_SOURCE_DIR}/Rendering/vtk.module")
 if (TREEAMR_WITH_PLUGIN OR DEFINED _paraview_build_plugin)
-  list(APPEND layers Plugin/Representations)
-endif ()
-set(modules)
-set(module_files)
-foreach (layer IN LISTS layers)
-  file(GLOB found "${CMAKE_CURRENT_SOURCE_DIR}/${layer}/vtkTreeAMR*.cxx") # until every layer has a source
-  if (NOT found)
-    break ()
-  endif ()
-  cmake_path(GET layer FILENAME name)
-  list(APPEND modules TreeAMR::${name})
-  list(APPEND module_files "${CMAKE_CURRENT_SOURCE_DIR}/${layer}/vtk.module")
-endforeach ()
-if (NOT module_files)
-  return ()
+  list(APPEND modules TreeAMR::Representations)
+  list(APPEND module_files "${CMAKE_CURRENT_SOURCE_DIR}/Plugin/Representations/vtk.module")
 endif ()
 vtk_module_scan(
   MODULE_FILES ${module_files}

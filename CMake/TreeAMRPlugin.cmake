@@ -1,8 +1,5 @@
 # The ParaView plugin, linked to the libraries of TreeAMRLayers.cmake.
 
-if (NOT TARGET TreeAMR::Representations) # until every layer has a source
-  return ()
-endif ()
 paraview_plugin_scan(
   PLUGIN_FILES "${CMAKE_CURRENT_SOURCE_DIR}/paraview.plugin"
   PROVIDES_PLUGINS plugins

@@ -1,9 +1,6 @@
 # The Python package treeamr: treeamr.vtkTreeAMRReader and treeamr.vtkTreeAMRRendering.
 
 set(TREEAMR_PYTHON_DIR "${CMAKE_INSTALL_LIBDIR}/python3/dist-packages")
-if (NOT TARGET TreeAMR::Rendering) # until every layer has a source
-  return ()
-endif ()
 # From <python>/treeamr/ back to the libraries.
 file(RELATIVE_PATH back "/${TREEAMR_PYTHON_DIR}/treeamr" "/${CMAKE_INSTALL_LIBDIR}")
 set(CMAKE_INSTALL_RPATH "$ORIGIN/${back}")

@@ -1,0 +1,53 @@
+# Everything from a bare Debian 12: `make demo` and `make check` install what they need, build, and run.
+
+# One list of the Debian packages: to build, to run, and to test.
+PACKAGES = \
+  g++ cmake ninja-build \
+  paraview-dev python3-paraview libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
+  libembree-dev libtbb-dev \
+  paraview openmpi-bin libqt5svg5 libgl1-mesa-dri xvfb xauth \
+  libgtest-dev libp4est-dev
+
+PREFIX = /usr/local
+BUILD = build
+SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
+# Without -noreset the X server may reset itself between two clients.
+XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
+
+.PHONY: build setup demo check check-sanitizers install clean
+
+build: setup
+	cmake --preset release
+	cmake --build $(BUILD)
+
+# Does nothing, and asks for no rights, when every package is there.
+setup:
+	@missing=; \
+	for package in $(PACKAGES); do \
+	  dpkg-query --show --showformat='$${db:Status-Status}' $$package 2>/dev/null | grep -qx installed \
+	    || missing="$$missing $$package"; \
+	done; \
+	if [ -n "$$missing" ]; then \
+	  echo "Installing$$missing"; \
+	  $(SUDO) apt-get update && \
+	  $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $$missing; \
+	fi
+
+demo: build
+	mkdir -p $(BUILD)/demo
+	$(BUILD)/bin/treeamr-demo-forest $(BUILD)/demo/mandelbulb.p8est
+	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py
+
+check: build
+	$(XVFB) ctest --test-dir $(BUILD) --output-on-failure --no-tests=error
+
+check-sanitizers: setup
+	cmake --preset asan
+	cmake --build --preset asan
+	ctest --preset asan
+
+install: build
+	cmake --install $(BUILD) --prefix $(PREFIX)
+
+clean:
+	rm -rf build build-*

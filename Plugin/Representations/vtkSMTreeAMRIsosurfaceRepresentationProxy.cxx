@@ -1,0 +1,54 @@
+#include "vtkSMTreeAMRIsosurfaceRepresentationProxy.h"
+
+#include "vtkObjectFactory.h"
+#include "vtkSMArrayRangeDomain.h"
+#include "vtkSMProperty.h"
+#include "vtkSMPropertyHelper.h"
+
+#include <string>
+
+vtkStandardNewMacro(vtkSMTreeAMRIsosurfaceRepresentationProxy);
+
+//------------------------------------------------------------------------------
+vtkSMTreeAMRIsosurfaceRepresentationProxy::vtkSMTreeAMRIsosurfaceRepresentationProxy() = default;
+
+//------------------------------------------------------------------------------
+vtkSMTreeAMRIsosurfaceRepresentationProxy::~vtkSMTreeAMRIsosurfaceRepresentationProxy() = default;
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRIsosurfaceRepresentationProxy::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ContouredArrayModified: " << this->ContouredArrayModified << endl;
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRIsosurfaceRepresentationProxy::SetPropertyModifiedFlag(const char* name, int flag)
+{
+  const std::string property = name;
+  if (flag && (property == "IsosurfaceArray" || property == "IsosurfaceComponent"))
+  {
+    // The isovalue's domain learns of the change after this proxy: it is asked in UpdateVTKObjects().
+    this->ContouredArrayModified = true;
+  }
+  this->Superclass::SetPropertyModifiedFlag(name, flag);
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRIsosurfaceRepresentationProxy::UpdateVTKObjects()
+{
+  if (this->ContouredArrayModified)
+  {
+    this->ContouredArrayModified = false;
+    vtkSMProperty* isovalue = this->GetProperty("Isovalue");
+    auto range = vtkSMArrayRangeDomain::SafeDownCast(isovalue->GetDomain("range"));
+    const double value = vtkSMPropertyHelper(isovalue).GetAsDouble();
+    // IsInDomains() cannot be asked: in ParaView 5.11 it denies values inside a range and affirms those outside.
+    if (range && range->GetMinimumExists(0) && range->GetMaximumExists(0) &&
+      !(range->GetMinimum(0) <= value && value <= range->GetMaximum(0)))
+    {
+      isovalue->ResetToDomainDefaults();
+    }
+  }
+  this->Superclass::UpdateVTKObjects();
+}

@@ -1,0 +1,33 @@
+// Keeps the isovalue inside the range of the contoured array: when another array or component is chosen and the
+// value lies outside its range, the value moves to the middle, as it starts. Without this the surface would vanish.
+
+#ifndef vtkSMTreeAMRIsosurfaceRepresentationProxy_h
+#define vtkSMTreeAMRIsosurfaceRepresentationProxy_h
+
+#include "vtkSMRepresentationProxy.h"
+#include "vtkTreeAMRRepresentationsModule.h" // for the export macro
+
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRIsosurfaceRepresentationProxy
+  : public vtkSMRepresentationProxy
+{
+public:
+  static vtkSMTreeAMRIsosurfaceRepresentationProxy* New();
+  vtkTypeMacro(vtkSMTreeAMRIsosurfaceRepresentationProxy, vtkSMRepresentationProxy);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  void UpdateVTKObjects() override;
+
+protected:
+  vtkSMTreeAMRIsosurfaceRepresentationProxy();
+  ~vtkSMTreeAMRIsosurfaceRepresentationProxy() override;
+
+  void SetPropertyModifiedFlag(const char* name, int flag) override;
+
+private:
+  vtkSMTreeAMRIsosurfaceRepresentationProxy(const vtkSMTreeAMRIsosurfaceRepresentationProxy&) = delete;
+  void operator=(const vtkSMTreeAMRIsosurfaceRepresentationProxy&) = delete;
+
+  bool ContouredArrayModified = false;
+};
+
+#endif

@@ -1,0 +1,139 @@
+#include "vtkTreeAMRIsosurfaceRepresentation.h"
+
+#include "vtkActor.h"
+#include "vtkAlgorithmOutput.h"
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataObject.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkObjectFactory.h"
+#include "vtkProperty.h"
+#include "vtkScalarsToColors.h"
+#include "vtkTreeAMRIsosurfaceMapper.h"
+
+vtkStandardNewMacro(vtkTreeAMRIsosurfaceRepresentation);
+
+//------------------------------------------------------------------------------
+vtkTreeAMRIsosurfaceRepresentation::vtkTreeAMRIsosurfaceRepresentation()
+{
+  this->Actor->SetProperty(this->Property);
+  this->Actor->SetMapper(this->Mapper);
+  this->Mapper->SetScalarModeToUseCellFieldData();
+  // ParaView puts the range into the table, not into the mapper.
+  this->Mapper->UseLookupTableScalarRangeOn();
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRIsosurfaceRepresentation::~vtkTreeAMRIsosurfaceRepresentation() = default;
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "IsosurfaceArray: " << this->IsosurfaceArray << endl;
+  os << indent << "IsosurfaceComponent: " << this->IsosurfaceComponent << endl;
+  os << indent << "Mapper: " << endl;
+  this->Mapper->PrintSelf(os, indent.GetNextIndent());
+}
+
+//------------------------------------------------------------------------------
+vtkProp3D* vtkTreeAMRIsosurfaceRepresentation::GetProp()
+{
+  return this->Actor;
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
+{
+  return this->Property->GetOpacity() < 1.;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
+{
+  this->Mapper->SetInputConnection(grid);
+  const char* contoured = this->IsosurfaceArray.empty() ? nullptr : this->IsosurfaceArray.c_str();
+  // Without a name the mapper takes the first array.
+  this->Mapper->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, contoured);
+  // Behind the components ParaView's choices have the magnitude.
+  vtkDataArray* array = this->Grid->GetCellData()->GetArray(contoured);
+  const bool component = array && this->IsosurfaceComponent < array->GetNumberOfComponents();
+  this->Mapper->SetIsosurfaceComponent(component ? this->IsosurfaceComponent : -1);
+
+  const std::string colored = this->GetColorArrayName();
+  this->Mapper->SetScalarVisibility(!colored.empty());
+  this->Mapper->SelectColorArray(colored.c_str());
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetIsosurfaceArray(int vtkNotUsed(index), int vtkNotUsed(port),
+  int vtkNotUsed(connection), int vtkNotUsed(association), const char* name)
+{
+  this->IsosurfaceArray = name ? name : "";
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetIsosurfaceComponent(int component)
+{
+  this->IsosurfaceComponent = component;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetIsovalue(double value)
+{
+  this->Mapper->SetIsovalue(value);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetLookupTable(vtkScalarsToColors* colors)
+{
+  this->Mapper->SetLookupTable(colors);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetAmbient(double coefficient)
+{
+  this->Property->SetAmbient(coefficient);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetDiffuse(double coefficient)
+{
+  this->Property->SetDiffuse(coefficient);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetSpecular(double coefficient)
+{
+  this->Property->SetSpecular(coefficient);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetSpecularPower(double power)
+{
+  this->Property->SetSpecularPower(power);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetOpacity(double opacity)
+{
+  this->Property->SetOpacity(opacity);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetAmbientColor(double r, double g, double b)
+{
+  this->Property->SetAmbientColor(r, g, b);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetDiffuseColor(double r, double g, double b)
+{
+  this->Property->SetDiffuseColor(r, g, b);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetSpecularColor(double r, double g, double b)
+{
+  this->Property->SetSpecularColor(r, g, b);
+}

@@ -1,0 +1,61 @@
+// A ray-traced isosurface of a vtkHyperTreeGrid in ParaView's render view, by vtkTreeAMRIsosurfaceMapper.
+
+#ifndef vtkTreeAMRIsosurfaceRepresentation_h
+#define vtkTreeAMRIsosurfaceRepresentation_h
+
+#include "vtkNew.h" // for members
+#include "vtkTreeAMRRepresentation.h"
+
+class vtkActor;
+class vtkProperty;
+class vtkScalarsToColors;
+class vtkTreeAMRIsosurfaceMapper;
+
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRIsosurfaceRepresentation : public vtkTreeAMRRepresentation
+{
+public:
+  static vtkTreeAMRIsosurfaceRepresentation* New();
+  vtkTypeMacro(vtkTreeAMRIsosurfaceRepresentation, vtkTreeAMRRepresentation);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// The contoured cell array, in the five values of an array property; only the name counts. Empty: the first.
+  void SetIsosurfaceArray(int index, int port, int connection, int association, const char* name);
+  /// The contoured component. The number of components, or more: the magnitude.
+  void SetIsosurfaceComponent(int component);
+  void SetIsovalue(double value);
+
+  /// Colours of the array chosen in the Coloring section. Without one the surface has the diffuse colour.
+  void SetLookupTable(vtkScalarsToColors* colors);
+
+  ///@{
+  /// Forwarded to the actor's property.
+  void SetAmbient(double coefficient);
+  void SetDiffuse(double coefficient);
+  void SetSpecular(double coefficient);
+  void SetSpecularPower(double power);
+  void SetOpacity(double opacity);
+  void SetAmbientColor(double r, double g, double b);
+  void SetDiffuseColor(double r, double g, double b);
+  void SetSpecularColor(double r, double g, double b);
+  ///@}
+
+protected:
+  vtkTreeAMRIsosurfaceRepresentation();
+  ~vtkTreeAMRIsosurfaceRepresentation() override;
+
+  vtkProp3D* GetProp() override;
+  bool NeedsOrderedCompositing() override;
+  void UpdateMapper(vtkAlgorithmOutput* grid) override;
+
+private:
+  vtkTreeAMRIsosurfaceRepresentation(const vtkTreeAMRIsosurfaceRepresentation&) = delete;
+  void operator=(const vtkTreeAMRIsosurfaceRepresentation&) = delete;
+
+  vtkNew<vtkActor> Actor;
+  vtkNew<vtkProperty> Property;
+  vtkNew<vtkTreeAMRIsosurfaceMapper> Mapper;
+  std::string IsosurfaceArray;
+  int IsosurfaceComponent = 0;
+};
+
+#endif

@@ -1,0 +1,234 @@
+#include "vtkTreeAMRRepresentation.h"
+
+#include "vtkAlgorithmOutput.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMath.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
+#include "vtkPVRenderView.h"
+#include "vtkProp3D.h"
+#include "vtkRenderer.h"
+
+#include "HyperTreeGridConverter.h"
+
+#include <exception>
+#include <vector>
+
+namespace
+{
+
+/// The grids of an input that may be composite.
+std::vector<vtkHyperTreeGrid*> findGrids(vtkDataObject* input)
+{
+  std::vector<vtkHyperTreeGrid*> grids;
+  if (auto composite = vtkCompositeDataSet::SafeDownCast(input))
+  {
+    auto iterator = vtk::TakeSmartPointer(composite->NewIterator());
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    {
+      if (auto grid = vtkHyperTreeGrid::SafeDownCast(iterator->GetCurrentDataObject()))
+      {
+        grids.push_back(grid);
+      }
+    }
+  }
+  else if (auto grid = vtkHyperTreeGrid::SafeDownCast(input))
+  {
+    grids.push_back(grid);
+  }
+  return grids;
+}
+
+bool hasTrees(vtkAlgorithmOutput* producer)
+{
+  auto grid = vtkHyperTreeGrid::SafeDownCast(
+    producer ? producer->GetProducer()->GetOutputDataObject(producer->GetIndex()) : nullptr);
+  if (!grid)
+  {
+    return false;
+  }
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
+  grid->InitializeTreeIterator(iterator);
+  return iterator.GetNextTree() != nullptr;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+vtkTreeAMRRepresentation::vtkTreeAMRRepresentation()
+  : Grid(vtkSmartPointer<vtkHyperTreeGrid>::New())
+{
+  vtkMath::UninitializeBounds(this->LocalBounds);
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRRepresentation::~vtkTreeAMRRepresentation() = default;
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Grid: " << this->Grid.Get() << endl;
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRRepresentation::FillInputPortInformation(int vtkNotUsed(port), vtkInformation* info)
+{
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkHyperTreeGrid");
+  // Named too, or else the executive would hand over the leaves of a composite input one after the other.
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
+  // A client and a render server of their own have no input.
+  info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRRepresentation::RequestData(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  // A copy, because a source fills its output object again while the view may still cache this time step.
+  this->Grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
+  vtkMath::UninitializeBounds(this->LocalBounds);
+  if (inputVector[0]->GetNumberOfInformationObjects() == 1)
+  {
+    vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
+    const std::vector<vtkHyperTreeGrid*> grids = findGrids(input);
+    if (grids.size() == 1)
+    {
+      this->Grid->ShallowCopy(grids[0]);
+      try
+      {
+        treeamr::computeLocalBounds(this->Grid, this->LocalBounds);
+      }
+      catch (const std::exception& e)
+      {
+        vtkErrorMacro(<< e.what());
+      }
+    }
+    else if (grids.size() > 1)
+    {
+      vtkErrorMacro("The " << input->GetClassName() << " holds " << grids.size()
+                           << " hyper tree grids; allowed is one on each rank. Extract one block first.");
+    }
+  }
+  return this->Superclass::RequestData(request, inputVector, outputVector);
+}
+
+//------------------------------------------------------------------------------
+std::string vtkTreeAMRRepresentation::GetColorArrayName()
+{
+  vtkInformation* info = this->GetInputArrayInformation(0);
+  const char* name =
+    info && info->Has(vtkDataObject::FIELD_NAME()) ? info->Get(vtkDataObject::FIELD_NAME()) : nullptr;
+  return name ? name : "";
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRRepresentation::ProcessViewRequest(
+  vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo)
+{
+  if (!this->Superclass::ProcessViewRequest(request, inInfo, outInfo))
+  {
+    return 0;
+  }
+  if (request == vtkPVView::REQUEST_UPDATE())
+  {
+    vtkPVRenderView::SetPiece(inInfo, this, this->Grid);
+    vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(inInfo, this, false, false);
+    vtkNew<vtkMatrix4x4> matrix;
+    this->GetProp()->GetMatrix(matrix);
+    vtkPVRenderView::SetGeometryBounds(inInfo, this, this->LocalBounds, matrix);
+    vtkPVRenderView::SetRequiresDistributedRendering(inInfo, this, true);
+    vtkPVRenderView::SetOrderedCompositingConfiguration(
+      inInfo, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);
+    if (this->NeedsOrderedCompositing())
+    {
+      outInfo->Set(vtkPVRenderView::NEED_ORDERED_COMPOSITING(), 1);
+    }
+  }
+  else if (request == vtkPVView::REQUEST_UPDATE_LOD())
+  {
+    vtkPVRenderView::SetRequiresDistributedRenderingLOD(inInfo, this, true);
+  }
+  else if (request == vtkPVView::REQUEST_RENDER())
+  {
+    vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this);
+    this->UpdateMapper(producer);
+    // The mappers report a grid without trees as an error, but many ranks may have nothing to draw.
+    this->GetProp()->SetVisibility(this->GetVisibility() && hasTrees(producer));
+  }
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRRepresentation::AddToView(vtkView* view)
+{
+  auto renderView = vtkPVRenderView::SafeDownCast(view);
+  if (!renderView)
+  {
+    return false;
+  }
+  renderView->GetRenderer()->AddViewProp(this->GetProp());
+  renderView->RegisterPropForHardwareSelection(this, this->GetProp());
+  return this->Superclass::AddToView(view);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRRepresentation::RemoveFromView(vtkView* view)
+{
+  auto renderView = vtkPVRenderView::SafeDownCast(view);
+  if (!renderView)
+  {
+    return false;
+  }
+  renderView->GetRenderer()->RemoveViewProp(this->GetProp());
+  renderView->UnRegisterPropForHardwareSelection(this, this->GetProp());
+  return this->Superclass::RemoveFromView(view);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetVisibility(bool visible)
+{
+  this->Superclass::SetVisibility(visible);
+  this->GetProp()->SetVisibility(visible);
+}
+
+//------------------------------------------------------------------------------
+vtkDataObject* vtkTreeAMRRepresentation::GetRenderedDataObject(int vtkNotUsed(port))
+{
+  return this->Grid;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetPosition(double x, double y, double z)
+{
+  this->GetProp()->SetPosition(x, y, z);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetScale(double x, double y, double z)
+{
+  this->GetProp()->SetScale(x, y, z);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetOrientation(double x, double y, double z)
+{
+  this->GetProp()->SetOrientation(x, y, z);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetOrigin(double x, double y, double z)
+{
+  this->GetProp()->SetOrigin(x, y, z);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetPickable(int pickable)
+{
+  this->GetProp()->SetPickable(pickable);
+}

@@ -1,0 +1,69 @@
+// What the volume and the isosurface representation share: one vtkHyperTreeGrid that stays on its rank, and a prop.
+//
+// A hyper tree grid cannot be moved between ranks by ParaView, so each rank renders what it holds and the images
+// are composited. The input may be composite when it holds one grid.
+
+#ifndef vtkTreeAMRRepresentation_h
+#define vtkTreeAMRRepresentation_h
+
+#include "vtkPVDataRepresentation.h"
+#include "vtkSmartPointer.h"                 // for Grid
+#include "vtkTreeAMRRepresentationsModule.h" // for the export macro
+
+#include <string> // for array names
+
+class vtkAlgorithmOutput;
+class vtkHyperTreeGrid;
+class vtkProp3D;
+
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRRepresentation : public vtkPVDataRepresentation
+{
+public:
+  vtkAbstractTypeMacro(vtkTreeAMRRepresentation, vtkPVDataRepresentation);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  int ProcessViewRequest(
+    vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo) override;
+  void SetVisibility(bool visible) override;
+  vtkDataObject* GetRenderedDataObject(int port) override;
+
+  ///@{
+  /// Forwarded to the prop.
+  void SetPosition(double x, double y, double z);
+  void SetScale(double x, double y, double z);
+  void SetOrientation(double x, double y, double z);
+  void SetOrigin(double x, double y, double z);
+  void SetPickable(int pickable);
+  ///@}
+
+protected:
+  vtkTreeAMRRepresentation();
+  ~vtkTreeAMRRepresentation() override;
+
+  /// The actor or volume that draws, of the subclass.
+  virtual vtkProp3D* GetProp() = 0;
+  /// Whether the prop blends, so that ranks must be composited in the order of their depth.
+  virtual bool NeedsOrderedCompositing() = 0;
+  /// Before each render: connect the mapper and bring it up to date with the representation.
+  virtual void UpdateMapper(vtkAlgorithmOutput* grid) = 0;
+
+  /// The array chosen in the Coloring section; empty: none.
+  std::string GetColorArrayName();
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
+  bool AddToView(vtkView* view) override;
+  bool RemoveFromView(vtkView* view) override;
+
+  /// A shallow copy of this rank's grid; without trees where this rank has none.
+  vtkSmartPointer<vtkHyperTreeGrid> Grid;
+
+private:
+  vtkTreeAMRRepresentation(const vtkTreeAMRRepresentation&) = delete;
+  void operator=(const vtkTreeAMRRepresentation&) = delete;
+
+  double LocalBounds[6];
+};
+
+#endif

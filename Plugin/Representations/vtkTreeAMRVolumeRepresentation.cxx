@@ -1,0 +1,133 @@
+#include "vtkTreeAMRVolumeRepresentation.h"
+
+#include "vtkAlgorithmOutput.h"
+#include "vtkCellData.h"
+#include "vtkColorTransferFunction.h"
+#include "vtkCommunicator.h"
+#include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkTreeAMRVolumeMapper.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <limits>
+
+vtkStandardNewMacro(vtkTreeAMRVolumeRepresentation);
+
+//------------------------------------------------------------------------------
+vtkTreeAMRVolumeRepresentation::vtkTreeAMRVolumeRepresentation()
+{
+  this->Volume->SetProperty(this->Property);
+  this->Volume->SetMapper(this->Mapper);
+  this->Mapper->SetScalarModeToUseCellFieldData();
+  this->DefaultColor->SetColorSpaceToDiverging();
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRVolumeRepresentation::~vtkTreeAMRVolumeRepresentation() = default;
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Mapper: " << endl;
+  this->Mapper->PrintSelf(os, indent.GetNextIndent());
+}
+
+//------------------------------------------------------------------------------
+vtkProp3D* vtkTreeAMRVolumeRepresentation::GetProp()
+{
+  return this->Volume;
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRVolumeRepresentation::RequestData(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  const int result = this->Superclass::RequestData(request, inputVector, outputVector);
+  this->UpdateDefaults();
+  return result;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::UpdateDefaults()
+{
+  this->DefaultArrayName.clear();
+  // The least value and the negative of the greatest: one reduction over the ranks serves both.
+  constexpr double none = std::numeric_limits<double>::infinity();
+  double local[2] = { none, none };
+  vtkCellData* cells = this->Grid->GetCellData();
+  for (int i = 0; i < cells->GetNumberOfArrays() && this->DefaultArrayName.empty(); ++i)
+  {
+    vtkDataArray* array = cells->GetArray(i);
+    if (array && array->GetName() && std::string(array->GetName()) != vtkDataSetAttributes::GhostArrayName())
+    {
+      this->DefaultArrayName = array->GetName();
+      double range[2];
+      array->GetFiniteRange(range, array->GetNumberOfComponents() == 1 ? 0 : -1);
+      if (range[0] <= range[1])
+      {
+        local[0] = range[0];
+        local[1] = -range[1];
+      }
+    }
+  }
+  double global[2] = { local[0], local[1] };
+  if (auto controller = vtkMultiProcessController::GetGlobalController())
+  {
+    controller->AllReduce(local, global, 2, vtkCommunicator::MIN_OP);
+  }
+  const double low = global[0] != none ? global[0] : 0.;
+  const double high = global[0] != none ? -global[1] : 1.;
+  // The ends of ParaView's own default, "Cool to Warm".
+  this->DefaultColor->RemoveAllPoints();
+  this->DefaultColor->AddRGBPoint(low, 0.231373, 0.298039, 0.752941);
+  this->DefaultColor->AddRGBPoint(high, 0.705882, 0.0156863, 0.14902);
+  this->DefaultScalarOpacity->RemoveAllPoints();
+  this->DefaultScalarOpacity->AddPoint(low, 0.);
+  this->DefaultScalarOpacity->AddPoint(high, 1.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
+{
+  this->Mapper->SetInputConnection(grid);
+  const std::string name = this->GetColorArrayName();
+  // ParaView sets the functions along with the array.
+  const bool chosen = !name.empty() && this->Color && this->ScalarOpacity;
+  this->Mapper->SelectScalarArray(chosen ? name.c_str() : this->DefaultArrayName.c_str());
+  this->Property->SetColor(chosen ? this->Color : this->DefaultColor);
+  this->Property->SetScalarOpacity(chosen ? this->ScalarOpacity : this->DefaultScalarOpacity);
+  const bool component = chosen && this->Color->GetVectorMode() == vtkScalarsToColors::COMPONENT;
+  this->Mapper->SetVectorMode(
+    component ? vtkTreeAMRVolumeMapper::COMPONENT : vtkTreeAMRVolumeMapper::MAGNITUDE);
+  this->Mapper->SetVectorComponent(component ? this->Color->GetVectorComponent() : 0);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetColor(vtkColorTransferFunction* colors)
+{
+  this->Color = colors;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opacities)
+{
+  this->ScalarOpacity = opacities;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetScalarOpacityUnitDistance(double distance)
+{
+  this->Property->SetScalarOpacityUnitDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetSamplesPerCell(double samples)
+{
+  this->Mapper->SetSamplesPerCell(samples);
+}

@@ -1,0 +1,62 @@
+// Direct volume rendering of a vtkHyperTreeGrid in ParaView's render view, by vtkTreeAMRVolumeMapper.
+//
+// Not a vtkVolumeRepresentation: its vtkPVLODVolume refuses to render a mapper whose input is no vtkDataSet.
+
+#ifndef vtkTreeAMRVolumeRepresentation_h
+#define vtkTreeAMRVolumeRepresentation_h
+
+#include "vtkNew.h" // for members
+#include "vtkTreeAMRRepresentation.h"
+
+class vtkColorTransferFunction;
+class vtkPiecewiseFunction;
+class vtkTreeAMRVolumeMapper;
+class vtkVolume;
+class vtkVolumeProperty;
+
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRVolumeRepresentation : public vtkTreeAMRRepresentation
+{
+public:
+  static vtkTreeAMRVolumeRepresentation* New();
+  vtkTypeMacro(vtkTreeAMRVolumeRepresentation, vtkTreeAMRRepresentation);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Colours and opacities of the array chosen in the Coloring section. While none is chosen, the first array of
+  /// the grid is drawn from blue to red and from transparent to opaque over its range.
+  void SetColor(vtkColorTransferFunction* colors);
+  void SetScalarOpacity(vtkPiecewiseFunction* opacities);
+  ///@}
+
+  /// The length over which an opacity of the transfer function accumulates.
+  void SetScalarOpacityUnitDistance(double distance);
+  /// Samples along each cell's width.
+  void SetSamplesPerCell(double samples);
+
+protected:
+  vtkTreeAMRVolumeRepresentation();
+  ~vtkTreeAMRVolumeRepresentation() override;
+
+  vtkProp3D* GetProp() override;
+  bool NeedsOrderedCompositing() override { return true; }
+  void UpdateMapper(vtkAlgorithmOutput* grid) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
+
+private:
+  vtkTreeAMRVolumeRepresentation(const vtkTreeAMRVolumeRepresentation&) = delete;
+  void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
+
+  void UpdateDefaults();
+
+  vtkNew<vtkVolume> Volume;
+  vtkNew<vtkVolumeProperty> Property;
+  vtkNew<vtkTreeAMRVolumeMapper> Mapper;
+  vtkSmartPointer<vtkColorTransferFunction> Color;
+  vtkSmartPointer<vtkPiecewiseFunction> ScalarOpacity;
+  std::string DefaultArrayName;
+  vtkNew<vtkColorTransferFunction> DefaultColor;
+  vtkNew<vtkPiecewiseFunction> DefaultScalarOpacity;
+};
+
+#endif

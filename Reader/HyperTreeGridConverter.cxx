@@ -1,0 +1,138 @@
+// The cache of fields and octrees in front of the conversion.
+#include "HyperTreeGridConverter.h"
+
+#include "HyperTreeGridSource.h"
+
+#include "vtkMath.h"
+
+#include <oneapi/tbb/task_arena.h>
+
+#include <map>
+#include <mutex>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// What a field was made from. An array's address and MTime name its state for the life of the process:
+/// MTimes come from one counter and every vtkObject draws one when it is made, so a new array at an old
+/// address differs.
+struct FieldKey
+{
+  ContentDigest topology;
+  ContentDigest globalIndices;
+  const vtkDataArray* array;
+  vtkMTimeType arrayTime;
+  int component;
+
+  auto operator<=>(const FieldKey&) const = default;
+};
+
+class FieldCache
+{
+public:
+  /// One caller builds at a time. The others wait for the lock and find the result.
+  std::shared_ptr<const Field> acquire(
+    HyperTreeGridTopology& topology, const CellValues& values, bool withNodeRanges)
+  {
+    const FieldKey key{ topology.octreeDigest(), topology.globalIndexDigest(), &values.array(),
+      values.array().GetMTime(), values.component() };
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(octrees_, [](const auto& entry) { return entry.second.expired(); });
+    std::erase_if(fields_, [](const auto& entry) { return entry.second.expired(); });
+
+    std::shared_ptr<const Field> field;
+    if (const auto found = fields_.find(key); found != fields_.end())
+    {
+      field = found->second.lock();
+    }
+    if (field && (field->hasNodeRanges() || !withNodeRanges))
+    {
+      return field;
+    }
+    // Without isolation this thread, waiting for its workers, could start a task of somebody else that comes
+    // here again and would wait for the lock that this thread holds.
+    tbb::this_task_arena::isolate([&] {
+      auto made = std::make_shared<Field>(field ? *field : build(topology, key.topology, values));
+      if (withNodeRanges)
+      {
+        made->computeNodeRanges();
+      }
+      field = std::move(made);
+    });
+    fields_[key] = field;
+    return field;
+  }
+
+private:
+  Field build(HyperTreeGridTopology& topology, ContentDigest octreeKey, const CellValues& values)
+  {
+    const bool hadCells = topology.hasCells();
+    if (topology.excludeNonFinite([&](vtkIdType index) { return values.isFinite(index); }))
+    {
+      octreeKey = topology.octreeDigest();
+    }
+    if (!topology.hasCells())
+    {
+      throw Error(hadCells ? "hyper tree grid: no cell has a finite value in array '" +
+            std::string(values.array().GetName()) + "'"
+                           : "hyper tree grid: all cells are masked or hidden");
+    }
+    const HyperTreeGridSource source(topology, values);
+    std::weak_ptr<const Octree>& cached = octrees_[octreeKey];
+    if (std::shared_ptr<const Octree> octree = cached.lock())
+    {
+      std::vector<float> leafValues = gatherLeafValues(*octree, source);
+      return Field(std::move(octree), std::move(leafValues));
+    }
+    OctreeAndValues built = buildOctree(topology.rootGrid(), source);
+    cached = built.octree;
+    return Field(std::move(built.octree), std::move(built.values));
+  }
+
+  std::mutex mutex_;
+  std::map<ContentDigest, std::weak_ptr<const Octree>> octrees_;
+  std::map<FieldKey, std::weak_ptr<const Field>> fields_;
+};
+
+} // namespace
+
+std::shared_ptr<const Field> acquireField(
+  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+{
+  static FieldCache cache;
+  HyperTreeGridTopology topology(grid);
+  const CellValues values(*grid, selection, topology.globalIndexEnd());
+  return cache.acquire(topology, values, withNodeRanges);
+}
+
+void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])
+{
+  vtkMath::UninitializeBounds(bounds);
+  if (!grid)
+  {
+    return;
+  }
+  try
+  {
+    const RootGrid rootGrid(readRootPlanes(*grid));
+    for (const HyperTreeView& tree : collectTrees(*grid))
+    {
+      const Bounds box = rootGrid.nodeBounds(tree.root, rootGrid.paddingDepth());
+      const bool first = !vtkMath::AreBoundsInitialized(bounds);
+      for (int a = 0; a < 3; ++a)
+      {
+        bounds[2 * a] = first ? box.min[a] : std::min(bounds[2 * a], box.min[a]);
+        bounds[2 * a + 1] = first ? box.max[a] : std::max(bounds[2 * a + 1], box.max[a]);
+      }
+    }
+  }
+  catch (const Error&)
+  {
+    vtkMath::UninitializeBounds(bounds); // acquireField() says why
+  }
+}
+
+} // namespace treeamr

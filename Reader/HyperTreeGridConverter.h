@@ -1,0 +1,46 @@
+// From vtkHyperTreeGrid to the core's octree and fields, each made once for all copies of a grid.
+//
+// Drawn are the leaves of the trees, or the vertices at the grid's depth limit with the volume-weighted mean
+// of the leaves below. Left out are cells that are masked or hidden (HIDDENCELL in vtkGhostType), and cells
+// whose value is not finite or beyond the range of float. Leaves marked DUPLICATECELL become ghosts. Values
+// are computed in double and stored as float: about 7 digits, so of 1e9 + a small variation little is left.
+#pragma once
+
+#include "vtkTreeAMRReaderModule.h" // for the export macro
+
+#include "Octree/Field.h"
+
+#include <memory>
+#include <string>
+
+class vtkHyperTreeGrid;
+
+namespace treeamr
+{
+
+/// A cell array by name. component < 0: the magnitude; of a scalar array the value itself.
+struct ArraySelection
+{
+  std::string name;
+  int component = -1;
+};
+
+/// The field of an array and its octree, from a process-wide cache that keeps nothing alive by itself: copies
+/// of a grid (VTK copies at every step of a pipeline) share one octree, whatever the array, unless an array's
+/// non-finite values cut different cells. An array changed in place must be marked with Modified(), as
+/// everywhere in VTK. Each call reads the topology once to recognise it (a few ms per million cells): keep
+/// the result while the input's MTime stays. Safe from several threads while none changes the grid.
+///
+/// Throws Error when the grid is null, has no tree or no drawable cell, is not three-dimensional, has a
+/// branch factor other than 2 or material interfaces, when its coordinates are not finite and strictly
+/// increasing, when it is too deep for RootGrid, and when the array does not exist, is not numeric, is too
+/// short or has no such component.
+VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
+  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+
+/// Bounds (xmin, xmax, ymin, ...) of the trees that this process holds; uninitialised (1, -1, ...) when there
+/// is none or the grid is not one that acquireField() takes. vtkHyperTreeGrid::GetBounds() gives the whole
+/// lattice up to VTK 9.3.
+VTKTREEAMRREADER_EXPORT void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6]);
+
+} // namespace treeamr

@@ -1,0 +1,204 @@
+// What buildOctree() asks of a vtkHyperTreeGrid: its nodes top-down and the values of one array. Private to
+// the converter.
+#pragma once
+
+#include "HyperTreeGridConverter.h"
+#include "HyperTreeGridTopology.h"
+
+#include "Octree/OctreeBuilder.h"
+
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+
+#include <cmath>
+
+namespace treeamr
+{
+
+/// A component or the magnitude of a cell array, by global index.
+class CellValues
+{
+public:
+  /// Throws Error when there is no such array, naming those there are, or when it is not numeric, has no such
+  /// component or fewer than `indexEnd` tuples.
+  CellValues(vtkHyperTreeGrid& grid, const ArraySelection& selection, vtkIdType indexEnd)
+  {
+    vtkCellData* cells = grid.GetCellData();
+    const std::string name = "hyper tree grid: cell array '" + selection.name + "' ";
+    vtkAbstractArray* found = cells->GetAbstractArray(selection.name.c_str());
+    if (!found)
+    {
+      throw Error(name + "does not exist; there are: " + numericArrayNames(*cells));
+    }
+    array_ = vtkDataArray::SafeDownCast(found);
+    if (!array_)
+    {
+      throw Error(name + "is a " + found->GetClassName() + ", allowed are arrays of numbers");
+    }
+    componentCount_ = array_->GetNumberOfComponents();
+    if (selection.component >= componentCount_)
+    {
+      throw Error(name + "has no component " + std::to_string(selection.component) + ", allowed are 0 to " +
+        std::to_string(componentCount_ - 1) + " and negative for the magnitude");
+    }
+    component_ = componentCount_ == 1 ? 0 : std::max(selection.component, -1);
+    if (array_->GetNumberOfTuples() < indexEnd)
+    {
+      throw Error(name + "has " + std::to_string(array_->GetNumberOfTuples()) + " tuples, the cells need " +
+        std::to_string(indexEnd));
+    }
+  }
+
+  /// GetComponent(): other than GetTuple(i) it uses no buffer of the array.
+  double operator()(vtkIdType index) const
+  {
+    if (component_ >= 0)
+    {
+      return array_->GetComponent(index, component_);
+    }
+    double squares = 0.;
+    for (int c = 0; c < componentCount_; ++c)
+    {
+      const double v = array_->GetComponent(index, c);
+      squares += v * v;
+    }
+    return std::sqrt(squares);
+  }
+  bool isFinite(vtkIdType index) const
+  {
+    return std::abs((*this)(index)) <= double(std::numeric_limits<float>::max());
+  }
+
+  vtkDataArray& array() const noexcept { return *array_; }
+  /// Negative: the magnitude.
+  int component() const noexcept { return component_; }
+
+private:
+  static std::string numericArrayNames(vtkCellData& cells)
+  {
+    std::string names;
+    for (int i = 0; i < cells.GetNumberOfArrays(); ++i)
+    {
+      vtkDataArray* array = cells.GetArray(i);
+      if (array && array->GetName())
+      {
+        names += (names.empty() ? "'" : ", '") + std::string(array->GetName()) + "'";
+      }
+    }
+    return names.empty() ? "none" : names;
+  }
+
+  vtkDataArray* array_ = nullptr;
+  int componentCount_ = 0;
+  int component_ = 0;
+};
+
+/// A Source as OctreeBuilder.h describes it. Keeps references to both arguments.
+class HyperTreeGridSource
+{
+public:
+  struct Handle
+  {
+    std::uint32_t tree;   // in the order of the topology
+    std::uint32_t vertex; // VTK's trees count their vertices in 32 bits
+    std::uint32_t level;
+  };
+
+  HyperTreeGridSource(const HyperTreeGridTopology& topology, const CellValues& values)
+    : topology_(topology)
+    , values_(values)
+  {
+  }
+
+  bool root(const std::array<Coord, 3>& place, Handle& handle) const
+  {
+    const auto& trees = topology_.trees();
+    const auto found =
+      std::lower_bound(trees.begin(), trees.end(), place, [](const HyperTreeView& t, const auto& p) {
+        return std::lexicographical_compare(t.root.rbegin(), t.root.rend(), p.rbegin(), p.rend());
+      });
+    if (found == trees.end() || found->root != place)
+    {
+      return false;
+    }
+    handle = { static_cast<std::uint32_t>(found - trees.begin()), 0, 0 };
+    return true;
+  }
+
+  NodeKind kind(const Handle& handle) const
+  {
+    const HyperTreeView& tree = topology_.trees()[handle.tree];
+    if (!topology_.exists(tree, handle.vertex))
+    {
+      return NodeKind::None;
+    }
+    return isLeaf(tree, handle) ? NodeKind::Leaf : NodeKind::Inner;
+  }
+
+  Handle child(const Handle& handle, int octant) const
+  {
+    const vtkIdType vertex = topology_.trees()[handle.tree].child(handle.vertex, octant);
+    return { handle.tree, static_cast<std::uint32_t>(vertex), handle.level + 1 };
+  }
+
+  /// At the depth limit the mean of the leaves below, by volume: coarse vertices may hold anything.
+  float value(const Handle& handle) const
+  {
+    const HyperTreeView& tree = topology_.trees()[handle.tree];
+    if (tree.isLeaf(handle.vertex))
+    {
+      return static_cast<float>(values_(tree.globalIndex(handle.vertex)));
+    }
+    WeightedSum sum;
+    addLeaves(tree, handle.vertex, handle.level, 1., sum);
+    return static_cast<float>(sum.value / sum.weight);
+  }
+
+  bool ghosts() const noexcept { return topology_.hasGhosts(); }
+  bool isGhost(const Handle& handle) const noexcept
+  {
+    return topology_.isGhost(topology_.trees()[handle.tree], handle.vertex);
+  }
+
+private:
+  struct WeightedSum
+  {
+    double value = 0.;
+    double weight = 0.;
+  };
+
+  bool isLeaf(const HyperTreeView& tree, const Handle& handle) const noexcept
+  {
+    return handle.level >= topology_.depthLimit() || tree.isLeaf(handle.vertex);
+  }
+
+  void addLeaves(
+    const HyperTreeView& tree, vtkIdType vertex, unsigned int level, double weight, WeightedSum& sum) const
+  {
+    if (!topology_.exists(tree, vertex))
+    {
+      return;
+    }
+    if (tree.isLeaf(vertex))
+    {
+      sum.value += weight * values_(tree.globalIndex(vertex));
+      sum.weight += weight;
+      return;
+    }
+    const auto maxLevel = static_cast<unsigned int>(topology_.rootGrid().maxLevel());
+    if (level >= maxLevel) // bounds the recursion
+    {
+      throw Error("hyper tree grid: a tree is deeper than level " + std::to_string(maxLevel) +
+        ", the deepest allowed on this root grid");
+    }
+    for (int o = 0; o < 8; ++o)
+    {
+      addLeaves(tree, tree.child(vertex, o), level + 1, weight / 8., sum);
+    }
+  }
+
+  const HyperTreeGridTopology& topology_;
+  const CellValues& values_;
+};
+
+} // namespace treeamr

@@ -1,0 +1,122 @@
+// The trees of a vtkHyperTreeGrid, checked once and then safe to read from several threads. Private to the
+// converter.
+//
+// Read directly from the storage behind vtkHyperTree: VTK's cursors are not thread-safe and cost an object
+// each. A vertex that is not drawn (masked, hidden, without a finite value) is marked in one byte per vertex;
+// the bytes exist only when the grid has such vertices or ghosts.
+//
+// Where VTK leaves the meaning open:
+// - vtkGhostType counts on leaves only. Writers set it on coarse vertices without meaning the cells below.
+// - A mask shorter than the cells masks nothing beyond its end, as in vtkHyperTree::InitializeForReader().
+// - A vertex at the depth limit is a leaf; it exists when a leaf below it does, and is a ghost when all are.
+#pragma once
+
+#include "ContentDigest.h"
+
+#include "Octree/RootGrid.h"
+
+#include "vtkHyperTree.h"
+#include "vtkHyperTreeGrid.h"
+
+#include <oneapi/tbb/parallel_for_each.h>
+
+#include <limits>
+
+namespace treeamr
+{
+
+/// One tree of a grid. Vertices are its nodes, coarse ones and leaves, as VTK numbers them.
+struct HyperTreeView
+{
+  std::array<Coord, 3> root{}; // on the root lattice
+  vtkHyperTree* tree = nullptr;
+  vtkIdType vertexCount = 0;
+  const unsigned int* elderChild = nullptr; // [elderChildCount]; a vertex beyond is a leaf
+  std::size_t elderChildCount = 0;
+  vtkIdType globalStart = 0;  // negative: the tree has an explicit table of global indices
+  std::size_t firstState = 0; // of the tree's vertices among the topology's bytes
+
+  bool isLeaf(vtkIdType vertex) const noexcept
+  {
+    // A tree never refined may hold 0 for its root in place of "no child".
+    return static_cast<std::size_t>(vertex) >= elderChildCount || vertexCount == 1 ||
+      elderChild[vertex] == std::numeric_limits<unsigned int>::max();
+  }
+  vtkIdType child(vtkIdType vertex, int octant) const noexcept
+  {
+    return static_cast<vtkIdType>(elderChild[vertex]) + octant;
+  }
+  /// The place of the vertex's value in the cell arrays.
+  vtkIdType globalIndex(vtkIdType vertex) const
+  {
+    return globalStart >= 0 ? globalStart + vertex : tree->GetGlobalIndexFromLocal(vertex);
+  }
+};
+
+/// The coordinates of the planes between roots. Throws Error for a grid that is not three-dimensional.
+std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid);
+
+/// The trees that the grid holds, in the order of their places (x fastest). Throws Error for a tree that is
+/// not an octree, lies outside the root lattice or has no global indices.
+std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid);
+
+class HyperTreeGridTopology
+{
+public:
+  /// Throws Error naming what the converter cannot take.
+  explicit HyperTreeGridTopology(vtkHyperTreeGrid* grid);
+
+  const RootGrid& rootGrid() const noexcept { return rootGrid_; }
+  const std::vector<HyperTreeView>& trees() const noexcept { return trees_; }
+  unsigned int depthLimit() const noexcept { return depthLimit_; }
+  /// One more than the largest global index: what an array needs to have a value for every vertex.
+  vtkIdType globalIndexEnd() const noexcept { return globalIndexEnd_; }
+
+  bool exists(const HyperTreeView& tree, vtkIdType vertex) const noexcept
+  {
+    return states_.empty() || (states_[tree.firstState + vertex] & existsBit);
+  }
+  bool hasGhosts() const noexcept { return hasGhosts_; }
+  bool isGhost(const HyperTreeView& tree, vtkIdType vertex) const noexcept
+  {
+    return hasGhosts_ && (states_[tree.firstState + vertex] & ghostBit);
+  }
+  bool hasCells() const noexcept;
+
+  /// Leaves out the leaves for which isFinite(global index), called from several threads, is false. False:
+  /// none.
+  template <class IsFinite>
+  bool excludeNonFinite(const IsFinite& isFinite);
+
+  /// Of all that decides the octree's nodes: equal digests, equal octrees.
+  ContentDigest octreeDigest() const;
+  /// Of the map from vertices to values.
+  const ContentDigest& globalIndexDigest() const noexcept { return globalIndexDigest_; }
+
+private:
+  static constexpr std::uint8_t existsBit = 1;
+  static constexpr std::uint8_t ghostBit = 2;
+
+  static vtkHyperTreeGrid& checked(vtkHyperTreeGrid* grid);
+  /// Calls body(tree, vertex) for every vertex, in parallel.
+  template <class Body>
+  void forEachVertex(const Body& body) const;
+  void checkTrees() const;
+  void measureGlobalIndices();
+  void markMaskAndGhosts(vtkHyperTreeGrid& grid);
+  void allocateStates();
+  void propagateDown();
+  void propagateUp();
+
+  RootGrid rootGrid_;
+  std::vector<HyperTreeView> trees_;
+  unsigned int depthLimit_;
+  vtkIdType globalIndexEnd_ = 0;
+  ContentDigest globalIndexDigest_;
+  std::vector<std::uint8_t> states_; // per vertex, tree after tree; empty: all exist, none is a ghost
+  bool hasGhosts_ = false;
+};
+
+} // namespace treeamr
+
+#include "HyperTreeGridTopology.inl"

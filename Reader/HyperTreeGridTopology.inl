@@ -1,0 +1,360 @@
+// How the trees are checked, and how marks spread between a vertex and its children.
+#pragma once
+
+#include "Error.h"
+
+#include "vtkBitArray.h"
+#include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkSmartPointer.h"
+#include "vtkUniformHyperTreeGrid.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <atomic>
+#include <string>
+
+namespace treeamr
+{
+
+inline std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
+{
+  if (grid.GetDimension() != 3)
+  {
+    throw Error(
+      "hyper tree grid: its dimension is " + std::to_string(grid.GetDimension()) + ", allowed is 3");
+  }
+  std::array<std::vector<double>, 3> planes;
+  const unsigned int* count = grid.GetDimensions();
+  auto* uniform = vtkUniformHyperTreeGrid::SafeDownCast(&grid);
+  for (int a = 0; a < 3; ++a)
+  {
+    planes[a].resize(count[a]);
+    if (uniform) // whose GetXCoordinates() prints a complaint and writes to the grid
+    {
+      for (std::size_t i = 0; i < planes[a].size(); ++i)
+      {
+        planes[a][i] = uniform->GetOrigin()[a] + static_cast<double>(i) * uniform->GetGridScale()[a];
+      }
+      continue;
+    }
+    const std::array<vtkDataArray*, 3> coordinates = { grid.GetXCoordinates(), grid.GetYCoordinates(),
+      grid.GetZCoordinates() };
+    const vtkIdType found = coordinates[a] ? coordinates[a]->GetNumberOfTuples() : 0;
+    if (found < static_cast<vtkIdType>(count[a]))
+    {
+      throw Error("hyper tree grid: " + std::to_string(found) + " coordinates along " + "xyz"[a] +
+        ", its dimensions need " + std::to_string(count[a]));
+    }
+    for (std::size_t i = 0; i < planes[a].size(); ++i)
+    {
+      planes[a][i] = coordinates[a]->GetComponent(static_cast<vtkIdType>(i), 0);
+    }
+  }
+  return planes;
+}
+
+inline std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
+{
+  std::array<unsigned int, 3> roots;
+  grid.GetCellDims(roots.data());
+  const std::uint64_t rootCount = std::uint64_t(roots[0]) * roots[1] * roots[2];
+
+  // VTK has no way to ask whether a tree has a table of global indices, and aborts (where its assertions are
+  // on) when it reads a missing one: what the table adds to the memory size of a tree tells its length.
+  const auto sizeWithoutTable = [](const vtkHyperTree& tree) {
+    std::size_t count = 0;
+    tree.GetElderChildIndexArray(count);
+    return count * sizeof(unsigned int);
+  };
+  const auto fresh = vtkSmartPointer<vtkHyperTree>::Take(vtkHyperTree::CreateInstance(2, 3));
+  const std::size_t overhead = fresh->GetActualMemorySizeBytes() - sizeWithoutTable(*fresh);
+
+  std::vector<HyperTreeView> trees;
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
+  grid.InitializeTreeIterator(iterator);
+  vtkIdType id = 0;
+  while (vtkHyperTree* tree = iterator.GetNextTree(id))
+  {
+    const auto fail = [id](const std::string& what) {
+      throw Error("hyper tree grid: tree " + std::to_string(id) + " " + what);
+    };
+    if (id < 0 || static_cast<std::uint64_t>(id) >= rootCount)
+    {
+      fail("is outside the lattice of " + std::to_string(rootCount) + " roots");
+    }
+    if (tree->GetBranchFactor() != 2 || tree->GetNumberOfChildren() != 8)
+    {
+      fail("has " + std::to_string(tree->GetNumberOfChildren()) + " children per node, allowed are 8");
+    }
+    HyperTreeView view;
+    std::array<unsigned int, 3> root;
+    grid.GetLevelZeroCoordinatesFromIndex(id, root[0], root[1], root[2]);
+    std::copy(root.begin(), root.end(), view.root.begin());
+    view.tree = tree;
+    view.vertexCount = tree->GetNumberOfVertices();
+    view.elderChild = tree->GetElderChildIndexArray(view.elderChildCount);
+    const std::size_t tableSize =
+      (tree->GetActualMemorySizeBytes() - overhead - sizeWithoutTable(*tree)) / sizeof(vtkIdType);
+    view.globalStart = tableSize == 0 ? tree->GetGlobalIndexStart() : -1;
+    if (view.globalStart < 0 && tableSize < static_cast<std::size_t>(view.vertexCount))
+    {
+      fail("has global indices for " + std::to_string(tableSize) + " of its " +
+        std::to_string(view.vertexCount) + " vertices (see vtkHyperTree::SetGlobalIndexStart)");
+    }
+    trees.push_back(view);
+  }
+  std::sort(trees.begin(), trees.end(), [](const HyperTreeView& a, const HyperTreeView& b) {
+    return std::lexicographical_compare(a.root.rbegin(), a.root.rend(), b.root.rbegin(), b.root.rend());
+  });
+  return trees;
+}
+
+inline HyperTreeGridTopology::HyperTreeGridTopology(vtkHyperTreeGrid* grid)
+  : rootGrid_(readRootPlanes(checked(grid)))
+  , trees_(collectTrees(*grid))
+  , depthLimit_(grid->GetDepthLimiter())
+{
+  checkTrees();
+  measureGlobalIndices();
+  markMaskAndGhosts(*grid);
+}
+
+inline vtkHyperTreeGrid& HyperTreeGridTopology::checked(vtkHyperTreeGrid* grid)
+{
+  if (!grid)
+  {
+    throw Error("hyper tree grid: there is none");
+  }
+  // The first question: a grid without trees has neither a dimension nor a branch factor.
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
+  grid->InitializeTreeIterator(iterator);
+  if (!iterator.GetNextTree())
+  {
+    throw Error("hyper tree grid: it holds no tree");
+  }
+  if (grid->GetBranchFactor() != 2)
+  {
+    throw Error(
+      "hyper tree grid: its branch factor is " + std::to_string(grid->GetBranchFactor()) + ", allowed is 2");
+  }
+  if (grid->GetHasInterface())
+  {
+    throw Error("hyper tree grid: it has material interfaces within cells, which are not supported");
+  }
+  return *grid;
+}
+
+template <class Body>
+void HyperTreeGridTopology::forEachVertex(const Body& body) const
+{
+  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
+    tbb::parallel_for(tbb::blocked_range<vtkIdType>(0, tree.vertexCount, 4096), [&](const auto& range) {
+      for (vtkIdType v = range.begin(); v != range.end(); ++v)
+      {
+        body(tree, v);
+      }
+    });
+  });
+}
+
+/// Children must follow their parent, as in all trees that VTK builds: the sweeps by index rely on it, and a
+/// broken tree may not lead out of its arrays or around in circles.
+inline void HyperTreeGridTopology::checkTrees() const
+{
+  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+    if (!tree.isLeaf(v) && (tree.child(v, 0) <= v || tree.child(v, 7) >= tree.vertexCount))
+    {
+      throw Error("hyper tree grid: the children of vertex " + std::to_string(v) + " in the tree at root (" +
+        std::to_string(tree.root[0]) + ", " + std::to_string(tree.root[1]) + ", " +
+        std::to_string(tree.root[2]) + ") start at vertex " + std::to_string(tree.child(v, 0)) +
+        ", allowed are " + std::to_string(v + 1) + " to " + std::to_string(tree.vertexCount - 8));
+    }
+  });
+}
+
+inline void HyperTreeGridTopology::measureGlobalIndices()
+{
+  for (const HyperTreeView& tree : trees_)
+  {
+    globalIndexDigest_.add(static_cast<std::uint64_t>(tree.globalStart));
+    vtkIdType end = tree.globalStart + tree.vertexCount;
+    if (tree.globalStart < 0)
+    {
+      end = 0;
+      for (vtkIdType v = 0; v < tree.vertexCount; ++v)
+      {
+        const vtkIdType index = tree.globalIndex(v);
+        if (index < 0)
+        {
+          throw Error("hyper tree grid: vertex " + std::to_string(v) + " of a tree has no global index");
+        }
+        end = std::max(end, index + 1);
+        globalIndexDigest_.add(static_cast<std::uint64_t>(index));
+      }
+    }
+    globalIndexEnd_ = std::max(globalIndexEnd_, end);
+  }
+}
+
+inline void HyperTreeGridTopology::markMaskAndGhosts(vtkHyperTreeGrid& grid)
+{
+  vtkBitArray* mask = grid.HasMask() ? grid.GetMask() : nullptr;
+  vtkUnsignedCharArray* ghosts = grid.GetGhostCells();
+  if (!mask && !ghosts)
+  {
+    return;
+  }
+  if (ghosts && ghosts->GetNumberOfTuples() < globalIndexEnd_)
+  {
+    throw Error("hyper tree grid: array '" + std::string(vtkDataSetAttributes::GhostArrayName()) + "' has " +
+      std::to_string(ghosts->GetNumberOfTuples()) + " values, the cells need " +
+      std::to_string(globalIndexEnd_));
+  }
+  const vtkIdType maskEnd = mask ? mask->GetNumberOfTuples() : 0;
+  const auto state = [&](const HyperTreeView& tree, vtkIdType v) -> std::uint8_t {
+    const vtkIdType index = tree.globalIndex(v);
+    const unsigned char ghost = ghosts && tree.isLeaf(v) ? ghosts->GetValue(index) : 0;
+    if ((index < maskEnd && mask->GetValue(index)) || (ghost & vtkDataSetAttributes::HIDDENCELL))
+    {
+      return 0;
+    }
+    return existsBit | (ghost & vtkDataSetAttributes::DUPLICATECELL ? ghostBit : 0);
+  };
+
+  std::atomic<bool> anyMark{ false };
+  std::atomic<bool> anyGhost{ false };
+  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+    const std::uint8_t s = state(tree, v);
+    if (s != existsBit && !anyMark.load(std::memory_order_relaxed))
+    {
+      anyMark.store(true, std::memory_order_relaxed);
+    }
+    if ((s & ghostBit) && !anyGhost.load(std::memory_order_relaxed))
+    {
+      anyGhost.store(true, std::memory_order_relaxed);
+    }
+  });
+  if (!anyMark)
+  {
+    return;
+  }
+  hasGhosts_ = anyGhost;
+  allocateStates();
+  forEachVertex(
+    [&](const HyperTreeView& tree, vtkIdType v) { states_[tree.firstState + v] = state(tree, v); });
+  propagateDown();
+  propagateUp();
+}
+
+inline bool HyperTreeGridTopology::hasCells() const noexcept
+{
+  return std::any_of(trees_.begin(), trees_.end(), [&](const HyperTreeView& t) { return exists(t, 0); });
+}
+
+template <class IsFinite>
+bool HyperTreeGridTopology::excludeNonFinite(const IsFinite& isFinite)
+{
+  const auto excluded = [&](const HyperTreeView& tree, vtkIdType v) {
+    return tree.isLeaf(v) && exists(tree, v) && !isFinite(tree.globalIndex(v));
+  };
+  std::atomic<bool> found{ false };
+  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+    if (!found.load(std::memory_order_relaxed) && excluded(tree, v))
+    {
+      found.store(true, std::memory_order_relaxed);
+    }
+  });
+  if (!found)
+  {
+    return false;
+  }
+  allocateStates();
+  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+    if (excluded(tree, v))
+    {
+      states_[tree.firstState + v] = 0;
+    }
+  });
+  propagateUp();
+  return true;
+}
+
+inline void HyperTreeGridTopology::allocateStates()
+{
+  if (states_.empty())
+  {
+    std::size_t count = 0;
+    for (HyperTreeView& tree : trees_)
+    {
+      tree.firstState = count;
+      count += tree.vertexCount;
+    }
+    states_.assign(count, existsBit);
+  }
+}
+
+/// Nothing exists below a masked vertex.
+inline void HyperTreeGridTopology::propagateDown()
+{
+  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
+    std::uint8_t* const states = states_.data() + tree.firstState;
+    for (vtkIdType v = 0; v < tree.vertexCount; ++v)
+    {
+      if (!states[v] && !tree.isLeaf(v))
+      {
+        std::fill_n(states + tree.child(v, 0), 8, std::uint8_t(0));
+      }
+    }
+  });
+}
+
+/// A coarse vertex exists when a child does; it is a ghost when all its existing children are.
+inline void HyperTreeGridTopology::propagateUp()
+{
+  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
+    std::uint8_t* const states = states_.data() + tree.firstState;
+    for (vtkIdType v = tree.vertexCount; v-- > 0;)
+    {
+      if (tree.isLeaf(v))
+      {
+        continue;
+      }
+      const std::uint8_t* const children = states + tree.child(v, 0);
+      std::uint8_t any = 0;
+      std::uint8_t allGhosts = ghostBit;
+      for (int o = 0; o < 8; ++o)
+      {
+        any |= children[o] & existsBit;
+        allGhosts &= children[o] & existsBit ? children[o] : ghostBit;
+      }
+      states[v] = any ? existsBit | allGhosts : 0;
+    }
+  });
+}
+
+inline ContentDigest HyperTreeGridTopology::octreeDigest() const
+{
+  ContentDigest digest;
+  for (int a = 0; a < 3; ++a)
+  {
+    digest.add(static_cast<std::uint64_t>(rootGrid_.roots()[a]));
+    for (int i = 0; i <= rootGrid_.roots()[a]; ++i)
+    {
+      digest.add(rootGrid_.worldPlane(a, i, 0));
+    }
+  }
+  digest.add(static_cast<std::uint64_t>(depthLimit_));
+  for (const HyperTreeView& tree : trees_)
+  {
+    for (const Coord c : tree.root)
+    {
+      digest.add(static_cast<std::uint64_t>(c));
+    }
+    digest.add(static_cast<std::uint64_t>(tree.vertexCount));
+    digest.addBytes(tree.elderChild, tree.elderChildCount * sizeof(unsigned int));
+  }
+  digest.addBytes(states_.data(), states_.size());
+  return digest;
+}
+
+} // namespace treeamr

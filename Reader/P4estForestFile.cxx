@@ -1,0 +1,461 @@
+// The layout is told in the header. It was read off p4est_save_ext, p4est_source_ext and
+// p4est_connectivity_sink of p4est 0.3.5, 2.2 and 2.8.
+#include "P4estForestFile.h"
+
+#include "P4estInputFile.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string_view>
+#include <type_traits>
+
+namespace treeamr
+{
+namespace
+{
+
+constexpr std::uint64_t formatCode = 0x3000009;
+constexpr std::array<char, 8> magic3D = { 'p', '8', 'e', 's', 't' };
+constexpr std::array<char, 8> magic2D = { 'p', '4', 'e', 's', 't' };
+constexpr std::uint64_t headerOffset = 32; // behind the magic and the version's text, which decides nothing
+constexpr std::uint64_t sectionAlignment = 32;
+constexpr int oldRootBits = 19; // P8EST_MAXLEVEL up to p4est 2.2
+constexpr int newRootBits = P4estForestFile::maxLevel + 1;
+
+constexpr std::uint64_t alignUp(std::uint64_t offset)
+{
+  return (offset + sectionAlignment - 1) / sectionAlignment * sectionAlignment;
+}
+
+std::uint64_t byteSwapped(std::uint64_t value)
+{
+  auto bytes = std::bit_cast<std::array<std::byte, 8>>(value);
+  std::ranges::reverse(bytes);
+  return std::bit_cast<std::uint64_t>(bytes);
+}
+
+/// The ten numbers of the connectivity's header.
+struct ConnectivityHeader
+{
+  std::uint64_t format;
+  std::uint64_t indexSize;
+  std::uint64_t vertices;
+  std::uint64_t trees;
+  std::uint64_t edges;
+  std::uint64_t edgeEntries;
+  std::uint64_t corners;
+  std::uint64_t cornerEntries;
+  std::uint64_t attributeBytes;
+  std::uint64_t reserved;
+};
+static_assert(sizeof(ConnectivityHeader) == 80 && std::is_trivially_copyable_v<ConnectivityHeader>);
+
+/// The six numbers that open the forest's header.
+struct ForestHeader
+{
+  std::uint64_t format;
+  std::uint64_t coordinateSize;
+  std::uint64_t quadrantSize;
+  std::uint64_t payloadSize;
+  std::uint64_t hasPayload;
+  std::uint64_t ranks;
+};
+static_assert(sizeof(ForestHeader) == 48 && std::is_trivially_copyable_v<ForestHeader>);
+
+void checkFormat(const P4estInputFile& file, std::string_view section, std::uint64_t format)
+{
+  if (format == byteSwapped(formatCode))
+  {
+    file.fail(section, ": saved on a machine of the other byte order, allowed the byte order of this one");
+  }
+  if (format != formatCode)
+  {
+    file.fail(section, std::hex, ": format 0x", format, ", allowed 0x", formatCode,
+      " (p8est_save of p4est 0.3.5 and later)");
+  }
+}
+
+void checkMagic(P4estInputFile& file)
+{
+  std::array<char, 8> magic{};
+  file.read(magic.data(), std::min<std::uint64_t>(magic.size(), file.size()), "magic");
+  if (magic == magic3D)
+  {
+    return;
+  }
+  if (magic == magic2D)
+  {
+    std::ostringstream found;
+    if (file.size() >= headerOffset + sizeof(ConnectivityHeader))
+    {
+      file.seek(headerOffset);
+      ConnectivityHeader header;
+      file.read(&header, sizeof(header), "connectivity header");
+      found << " of " << header.trees << " trees";
+    }
+    file.fail("a 2-D forest or connectivity (p4est)", found.str(),
+      ", allowed 3-D forests saved by p8est_save: TreeAMR ray-traces volumes");
+  }
+  std::ostringstream found;
+  for (const char c : std::string_view(magic.data(), std::min<std::uint64_t>(magic.size(), file.size())))
+  {
+    if (c >= ' ' && c <= '~')
+    {
+      found << c;
+    }
+    else
+    {
+      found << "\\x" << std::hex << (c >> 4 & 15) << (c & 15);
+    }
+  }
+  file.fail(
+    "begins with \"", found.str(), "\", allowed \"p8est\\x00\\x00\\x00\" (a forest saved by p8est_save)");
+}
+
+ConnectivityHeader readConnectivityHeader(P4estInputFile& file)
+{
+  constexpr std::uint64_t headerEnd = headerOffset + sizeof(ConnectivityHeader);
+  if (file.size() < headerEnd)
+  {
+    file.fail(
+      "connectivity header: the file ends after ", file.size(), " bytes, allowed at least ", headerEnd);
+  }
+  file.seek(headerOffset);
+  ConnectivityHeader header;
+  file.read(&header, sizeof(header), "connectivity header");
+  checkFormat(file, "connectivity header", header.format);
+  if (header.indexSize != sizeof(std::int32_t))
+  {
+    file.fail("connectivity header: size of an index ", header.indexSize, ", allowed 4");
+  }
+  const auto checkCount = [&](std::string_view what, std::uint64_t found, std::uint64_t min,
+                            bool mustBeZero = false) {
+    const std::uint64_t max = mustBeZero ? 0 : std::numeric_limits<std::int32_t>::max();
+    if (found < min || found > max)
+    {
+      file.fail("connectivity header: ", found, ' ', what, ", allowed ", min, "..", max);
+    }
+  };
+  checkCount("vertices", header.vertices, 0);
+  checkCount("trees", header.trees, 1);
+  checkCount("edges", header.edges, 0);
+  checkCount("edge entries", header.edgeEntries, 0, header.edges == 0);
+  checkCount("corners", header.corners, 0);
+  checkCount("corner entries", header.cornerEntries, 0, header.corners == 0);
+
+  // No overflow: counts are below 2^31, so all but the attributes stay below 2^40.
+  const std::uint64_t bytes = 24 * header.vertices + (header.edges > 0 ? 48 * header.trees : 0) +
+    (header.vertices > 0 ? 32 * header.trees : 0) + (header.corners > 0 ? 32 * header.trees : 0) +
+    (24 + 6) * header.trees + 4 * (header.edges + 1) + 5 * header.edgeEntries + 4 * (header.corners + 1) +
+    5 * header.cornerEntries;
+  const std::uint64_t left = file.size() - headerEnd;
+  if (bytes > left || header.attributeBytes > (left - bytes) / header.trees)
+  {
+    file.fail("connectivity: ", header.trees, " trees, ", header.vertices, " vertices, ", header.edgeEntries,
+      " edge entries, ", header.cornerEntries, " corner entries and ", header.attributeBytes,
+      " attribute bytes per tree do not fit the file's ", file.size(), " bytes");
+  }
+  return header;
+}
+
+P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeader& header)
+{
+  const auto trees = static_cast<std::int64_t>(header.trees);
+  const auto vertices = static_cast<std::int64_t>(header.vertices);
+  const auto edges = static_cast<std::int64_t>(header.edges);
+  const auto corners = static_cast<std::int64_t>(header.corners);
+
+  P4estConnectivity connectivity;
+  connectivity.vertices.resize(header.vertices);
+  file.read(connectivity.vertices.data(), 24 * header.vertices, "connectivity, vertices");
+  if (edges > 0)
+  {
+    file.checkTable<std::int32_t>(12 * header.trees, -1, edges, "tree_to_edge");
+  }
+  if (vertices > 0)
+  {
+    connectivity.treeVertices.resize(header.trees);
+    file.readEach<std::int32_t>(
+      8 * header.trees, "tree_to_vertex", [&](std::uint64_t i, std::int32_t vertex) {
+        if (vertex < 0 || vertex >= vertices)
+        {
+          file.fail("connectivity, tree ", i / 8, ", corner ", i % 8, ": vertex ", vertex, ", allowed 0..",
+            vertices - 1);
+        }
+        connectivity.treeVertices[i / 8][i % 8] = vertex;
+      });
+  }
+  if (corners > 0)
+  {
+    file.checkTable<std::int32_t>(8 * header.trees, -1, corners, "tree_to_corner");
+  }
+  file.checkTable<std::int32_t>(6 * header.trees, 0, trees, "tree_to_tree");
+  file.checkTable<std::int8_t>(6 * header.trees, 0, 24, "tree_to_face"); // 6 faces in 4 orientations
+  file.seek(file.position() + header.trees * header.attributeBytes);
+  file.checkOffsets(header.edges, header.edgeEntries, "ett_offset");
+  if (edges > 0)
+  {
+    file.checkTable<std::int32_t>(header.edgeEntries, 0, trees, "edge_to_tree");
+    file.checkTable<std::int8_t>(header.edgeEntries, 0, 24, "edge_to_edge"); // 12 edges in 2 orientations
+  }
+  file.checkOffsets(header.corners, header.cornerEntries, "ctt_offset");
+  if (corners > 0)
+  {
+    file.checkTable<std::int32_t>(header.cornerEntries, 0, trees, "corner_to_tree");
+    file.checkTable<std::int8_t>(header.cornerEntries, 0, 8, "corner_to_corner");
+  }
+  return connectivity;
+}
+
+ForestHeader readForestHeader(P4estInputFile& file, std::uint64_t trees)
+{
+  if (file.position() == file.size())
+  {
+    file.fail("a connectivity only (p8est_connectivity_save), allowed a forest saved by p8est_save");
+  }
+  const std::uint64_t begin = alignUp(file.position());
+  if (file.size() < begin + sizeof(ForestHeader))
+  {
+    file.fail("forest header: the file ends after ", file.size(), " bytes, allowed at least ",
+      begin + sizeof(ForestHeader));
+  }
+  file.seek(begin);
+  ForestHeader header;
+  file.read(&header, sizeof(header), "forest header");
+  checkFormat(file, "forest header", header.format);
+  if (header.coordinateSize != sizeof(std::int32_t))
+  {
+    file.fail("forest header: size of a coordinate ", header.coordinateSize, ", allowed 4");
+  }
+  if (header.quadrantSize != 24 && header.quadrantSize != 20) // with pointers of 8 or 4 bytes
+  {
+    file.fail("forest header: size of a quadrant ", header.quadrantSize, ", allowed 24 or 20");
+  }
+  if (header.hasPayload != (header.payloadSize > 0 ? 1 : 0))
+  {
+    file.fail("forest header: payload flag ", header.hasPayload, " with ", header.payloadSize,
+      " bytes per quadrant, allowed 1 with a payload, 0 without");
+  }
+  const std::uint64_t left = (file.size() - file.position()) / 8;
+  if (header.ranks == 0 || header.ranks > left || trees > left - header.ranks)
+  {
+    file.fail("forest header: counts of ", header.ranks, " ranks and ", trees,
+      " trees, allowed at least 1 rank and ", left, " counts before the end of the file");
+  }
+  return header;
+}
+
+/// Quadrants up to the end of each tree. Refining makes eight cells of one, hence 1 + 7 n of them in a tree.
+std::vector<std::uint64_t> readTreeEnds(P4estInputFile& file, std::uint64_t ranks, std::uint64_t trees)
+{
+  std::uint64_t previous = 0;
+  file.readEach<std::uint64_t>(ranks, "partition", [&](std::uint64_t rank, std::uint64_t end) {
+    if (end < previous)
+    {
+      file.fail("partition, rank ", rank, ": ends at quadrant ", end, ", allowed at least ", previous);
+    }
+    previous = end;
+  });
+  const std::uint64_t total = previous;
+
+  std::vector<std::uint64_t> ends(trees);
+  previous = 0;
+  file.readEach<std::uint64_t>(trees, "tree ends", [&](std::uint64_t tree, std::uint64_t end) {
+    if (end <= previous || end > total || (tree + 1 == trees && end != total))
+    {
+      file.fail("tree ", tree, ": ends at quadrant ", end, ", allowed ",
+        tree + 1 == trees ? total : previous + 1, "..", total);
+    }
+    if ((end - previous) % 7 != 1)
+    {
+      file.fail("tree ", tree, ": ", end - previous, " quadrants, allowed 1 and a multiple of 7");
+    }
+    ends[tree] = previous = end;
+  });
+  return ends;
+}
+
+struct Record
+{
+  std::array<std::int32_t, 3> anchor;
+  std::int32_t level;
+};
+static_assert(sizeof(Record) == 16 && std::is_trivially_copyable_v<Record>);
+
+std::ostream& operator<<(std::ostream& out, const Record& record)
+{
+  return out << '(' << record.anchor[0] << ", " << record.anchor[1] << ", " << record.anchor[2]
+             << ") of level " << record.level;
+}
+
+/// The first quadrant of a refined tree sits at the origin and its neighbour begins where it ends in x.
+int findRootBits(P4estInputFile& file, std::uint64_t quadrantsOffset, std::size_t recordBytes,
+  const std::vector<std::uint64_t>& treeEnds)
+{
+  std::uint64_t begin = 0;
+  for (std::size_t tree = 0; tree < treeEnds.size(); begin = treeEnds[tree++])
+  {
+    if (treeEnds[tree] - begin == 1)
+    {
+      continue;
+    }
+    std::array<Record, 2> records;
+    for (int i = 0; i < 2; ++i)
+    {
+      file.seek(quadrantsOffset + (begin + i) * recordBytes);
+      file.read(&records[i], sizeof(Record), "quadrants");
+    }
+    for (const int bits : { oldRootBits, newRootBits })
+    {
+      const int level = records[0].level;
+      if (level > 0 && level < bits && records[1].anchor[0] == std::int32_t(1) << (bits - level))
+      {
+        return bits;
+      }
+    }
+    file.fail("tree ", tree, ": quadrant 0 at ", records[0], ", quadrant 1 at ", records[1],
+      ", allowed neighbours along x in a tree 2^", oldRootBits, " or 2^", newRootBits, " wide");
+  }
+  return newRootBits;
+}
+
+/// Walks a tree's quadrants in Morton order: each must begin where the one before ended.
+class MortonWalk
+{
+public:
+  explicit MortonWalk(int rootBits)
+    : rootBits_(rootBits)
+  {
+  }
+  bool isComplete() const { return complete_; }
+
+  /// Throws when the quadrant does not begin where the walk is, or does not fit there.
+  void advance(const P4estInputFile& file, const Record& record, std::int32_t tree, std::uint64_t quadrant)
+  {
+    if (record.level < 0 || record.level >= rootBits_)
+    {
+      file.fail(
+        "tree ", tree, ", quadrant ", quadrant, ": level ", record.level, ", allowed 0..", rootBits_ - 1);
+    }
+    if (complete_)
+    {
+      file.fail("tree ", tree, ", quadrant ", quadrant, ": at ", record, ", allowed none: the tree is full");
+    }
+    if (record.anchor != anchor_)
+    {
+      file.fail("tree ", tree, ", quadrant ", quadrant, ": at ", record, ", allowed (", anchor_[0], ", ",
+        anchor_[1], ", ", anchor_[2], "): Morton order without gaps");
+    }
+    int bit = rootBits_ - record.level;
+    const int trailingZeros =
+      std::countr_zero(static_cast<std::uint32_t>(anchor_[0] | anchor_[1] | anchor_[2]));
+    if (bit > trailingZeros)
+    {
+      file.fail("tree ", tree, ", quadrant ", quadrant, ": level ", record.level, " at (", anchor_[0], ", ",
+        anchor_[1], ", ", anchor_[2], "), allowed ", rootBits_ - trailingZeros, "..", rootBits_ - 1);
+    }
+    // The next octant of the parent, or of the first ancestor that is not finished.
+    for (; bit < rootBits_; ++bit)
+    {
+      const std::int32_t side = std::int32_t(1) << bit;
+      for (int a = 0; a < 3; ++a)
+      {
+        anchor_[a] ^= side;
+        if (anchor_[a] & side)
+        {
+          return;
+        }
+      }
+    }
+    complete_ = true;
+  }
+
+private:
+  int rootBits_;
+  bool complete_ = false;
+  std::array<std::int32_t, 3> anchor_{};
+};
+
+} // namespace
+
+P4estForestFile::P4estForestFile(std::string path)
+  : path_(std::move(path))
+{
+  P4estInputFile file(path_);
+  checkMagic(file);
+  const ConnectivityHeader connectivityHeader = readConnectivityHeader(file);
+  connectivity_ = readConnectivity(file, connectivityHeader);
+  const ForestHeader forestHeader = readForestHeader(file, connectivityHeader.trees);
+  treeEnds_ = readTreeEnds(file, forestHeader.ranks, connectivityHeader.trees);
+
+  quadrantsOffset_ = alignUp(file.position());
+  const std::uint64_t left = file.size() - std::min(quadrantsOffset_, file.size());
+  if (forestHeader.payloadSize > left || quadrantCount() > left / (sizeof(Record) + forestHeader.payloadSize))
+  {
+    file.fail("quadrants: ", quadrantCount(), " of ", sizeof(Record), " + ", forestHeader.payloadSize,
+      " bytes, allowed what fits ", left, " bytes before the end of the file");
+  }
+  payloadSize_ = forestHeader.payloadSize;
+  rootBits_ = findRootBits(file, quadrantsOffset_, sizeof(Record) + payloadSize_, treeEnds_);
+}
+
+bool P4estForestFile::hasMagic(const std::string& path) noexcept
+{
+  try
+  {
+    std::array<char, 8> magic{};
+    std::ifstream stream(path, std::ios::binary);
+    return stream.read(magic.data(), magic.size()) && (magic == magic3D || magic == magic2D);
+  }
+  catch (const std::exception&)
+  {
+    return false;
+  }
+}
+
+void P4estForestFile::visitQuadrants(const std::function<void(const P4estQuadrant&)>& visit) const
+{
+  P4estInputFile file(path_);
+  file.seek(quadrantsOffset_);
+  const std::size_t recordBytes = sizeof(Record) + payloadSize_;
+  const std::uint64_t blockQuadrants = std::min<std::uint64_t>(
+    quadrantCount(), std::max<std::size_t>(1, P4estInputFile::blockBytes / recordBytes));
+  std::vector<std::byte> block(blockQuadrants * recordBytes);
+  const std::byte* next = block.data() + block.size();
+  std::uint64_t unread = quadrantCount();
+
+  for (std::int32_t tree = 0; tree < treeCount(); ++tree)
+  {
+    MortonWalk walk(rootBits_);
+    for (std::uint64_t quadrant = 0; quadrant < quadrantCount(tree); ++quadrant, next += recordBytes)
+    {
+      if (next == block.data() + block.size())
+      {
+        const std::uint64_t quadrants = std::min(unread, blockQuadrants);
+        block.resize(quadrants * recordBytes);
+        file.read(block.data(), block.size(), "quadrants");
+        unread -= quadrants;
+        next = block.data();
+      }
+      Record record;
+      std::memcpy(&record, next, sizeof(record));
+      walk.advance(file, record, tree, quadrant);
+      P4estQuadrant leaf{ tree, {}, record.level, next + sizeof(record) };
+      for (int a = 0; a < 3; ++a)
+      {
+        leaf.index[a] = static_cast<std::uint32_t>(record.anchor[a]) >> (rootBits_ - record.level);
+      }
+      visit(leaf);
+    }
+    if (!walk.isComplete())
+    {
+      file.fail("tree ", tree, ": its ", quadrantCount(tree), " quadrants end before the tree is full");
+    }
+  }
+}
+
+} // namespace treeamr

@@ -1,0 +1,67 @@
+// The layout of a quadrant's payload, told by the user as text, because the file knows its size only.
+//
+// The text lists the members of the C struct that the program kept in its quadrants:
+//   double rho; double velocity[3]; int rank, flags
+// Types, with fixed sizes wherever the file comes from:
+//   char, signed char, int8                  1 byte     unsigned char, uint8       1 byte
+//   short, int16                             2 bytes    unsigned short, uint16     2 bytes
+//   int, int32                               4 bytes    unsigned, uint32           4 bytes
+//   long, long long, int64                   8 bytes    unsigned long, uint64      8 bytes
+//   float                                    4 bytes    double                     8 bytes
+// (also int8_t ..., unsigned int, short int and the like). name[n] is an array of n components, pad[n] are n
+// bytes to leave out. As a compiler does, each member begins at a multiple of its type's size and the whole
+// is rounded up to a multiple of the largest type's. Packed structs with members elsewhere cannot be told.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace treeamr
+{
+
+enum class PayloadType : std::uint8_t
+{
+  Int8,
+  UInt8,
+  Int16,
+  UInt16,
+  Int32,
+  UInt32,
+  Int64,
+  UInt64,
+  Float32,
+  Float64
+};
+
+/// Bytes of one value.
+std::size_t payloadTypeSize(PayloadType type) noexcept;
+
+struct PayloadField
+{
+  std::string name;
+  PayloadType type;
+  int components;
+  std::size_t offset; // bytes from the payload's begin
+};
+
+class PayloadLayout
+{
+public:
+  /// Throws Error with the text, the position in it (from 1), what was found there and what is allowed.
+  static PayloadLayout parse(std::string_view text);
+
+  /// In the order of the text, without padding; may be empty.
+  const std::vector<PayloadField>& fields() const noexcept { return fields_; }
+  /// Bytes of the whole, as sizeof would say.
+  std::size_t size() const noexcept { return size_; }
+
+private:
+  friend class PayloadParser;
+  std::vector<PayloadField> fields_;
+  std::size_t size_ = 0;
+};
+
+} // namespace treeamr

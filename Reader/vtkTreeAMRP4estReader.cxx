@@ -1,0 +1,431 @@
+// One pass over the quadrants: the header tells the number of nodes of each tree, so the arrays' sizes and
+// the trees' first global indices are known beforehand. Quadrants come in Morton order, the depth-first order
+// of the leaves: the path from the root to the current leaf is all that is kept, and an inner node gets its
+// value when its eighth child is complete.
+#include "vtkTreeAMRP4estReader.h"
+
+#include "Error.h"
+#include "P4estForestFile.h"
+#include "P4estTreeLattice.h"
+#include "PayloadLayout.h"
+
+#include "vtkAOSDataArrayTemplate.h"
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkHyperTree.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkTypeTraits.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+vtkStandardNewMacro(vtkTreeAMRP4estReader);
+
+namespace
+{
+
+using treeamr::P4estForestFile;
+using treeamr::P4estQuadrant;
+using treeamr::PayloadField;
+using treeamr::PayloadType;
+
+// Fills one cell array, children before their parent.
+class ArrayFiller
+{
+public:
+  virtual ~ArrayFiller() = default;
+  virtual void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) = 0;
+  virtual void SetInner(vtkIdType node, vtkIdType firstChild) = 0;
+};
+using ArrayFillers = std::vector<std::unique_ptr<ArrayFiller>>;
+
+template <class T>
+class TypedFiller : public ArrayFiller
+{
+protected:
+  TypedFiller(vtkCellData* cellData, const char* name, int components, vtkIdType nodes)
+    : Components(components)
+  {
+    // Not vtkAOSDataArrayTemplate::New(): that is no vtkDoubleArray, vtkIntArray ... to those who ask.
+    const auto array = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTKTypeID()));
+    array->SetName(name);
+    array->SetNumberOfComponents(components);
+    array->SetNumberOfTuples(nodes);
+    cellData->AddArray(array);
+    this->Values = vtkAOSDataArrayTemplate<T>::FastDownCast(array)->GetPointer(0);
+  }
+  T* Tuple(vtkIdType node) { return this->Values + node * this->Components; }
+
+  int Components;
+
+private:
+  T* Values; // owned by the array
+};
+
+template <class T>
+class PayloadFiller : public TypedFiller<T>
+{
+public:
+  PayloadFiller(vtkCellData* cellData, const PayloadField& field, vtkIdType nodes)
+    : TypedFiller<T>(cellData, field.name.c_str(), field.components, nodes)
+    , Offset(field.offset)
+  {
+  }
+  void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override
+  {
+    std::memcpy(this->Tuple(node), leaf.payload + this->Offset, this->Components * sizeof(T));
+  }
+  void SetInner(vtkIdType node, vtkIdType firstChild) override
+  {
+    T* const value = this->Tuple(node);
+    const T* const children = this->Tuple(firstChild);
+    for (int c = 0; c < this->Components; ++c)
+    {
+      if constexpr (std::is_floating_point_v<T>)
+      {
+        double sum = 0.;
+        for (int child = 0; child < 8; ++child)
+        {
+          sum += children[child * this->Components + c];
+        }
+        value[c] = static_cast<T>(sum / 8.);
+      }
+      else
+      {
+        value[c] = children[c];
+      }
+    }
+  }
+
+private:
+  std::size_t Offset;
+};
+
+class LevelFiller : public TypedFiller<unsigned char>
+{
+public:
+  LevelFiller(vtkCellData* cellData, vtkIdType nodes)
+    : TypedFiller(cellData, "level", 1, nodes)
+  {
+  }
+  void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override
+  {
+    *this->Tuple(node) = static_cast<unsigned char>(leaf.level);
+  }
+  void SetInner(vtkIdType node, vtkIdType firstChild) override
+  {
+    *this->Tuple(node) = static_cast<unsigned char>(*this->Tuple(firstChild) - 1);
+  }
+};
+
+class TreeIdFiller : public TypedFiller<int>
+{
+public:
+  TreeIdFiller(vtkCellData* cellData, vtkIdType nodes)
+    : TypedFiller(cellData, "treeid", 1, nodes)
+  {
+  }
+  void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override { *this->Tuple(node) = leaf.tree; }
+  void SetInner(vtkIdType node, vtkIdType firstChild) override
+  {
+    *this->Tuple(node) = *this->Tuple(firstChild);
+  }
+};
+
+std::unique_ptr<ArrayFiller> MakeFiller(vtkCellData* cellData, const PayloadField& field, vtkIdType nodes)
+{
+  switch (field.type)
+  {
+    case PayloadType::Int8:
+      return std::make_unique<PayloadFiller<vtkTypeInt8>>(cellData, field, nodes);
+    case PayloadType::UInt8:
+      return std::make_unique<PayloadFiller<vtkTypeUInt8>>(cellData, field, nodes);
+    case PayloadType::Int16:
+      return std::make_unique<PayloadFiller<vtkTypeInt16>>(cellData, field, nodes);
+    case PayloadType::UInt16:
+      return std::make_unique<PayloadFiller<vtkTypeUInt16>>(cellData, field, nodes);
+    case PayloadType::Int32:
+      return std::make_unique<PayloadFiller<vtkTypeInt32>>(cellData, field, nodes);
+    case PayloadType::UInt32:
+      return std::make_unique<PayloadFiller<vtkTypeUInt32>>(cellData, field, nodes);
+    case PayloadType::Int64:
+      return std::make_unique<PayloadFiller<vtkTypeInt64>>(cellData, field, nodes);
+    case PayloadType::UInt64:
+      return std::make_unique<PayloadFiller<vtkTypeUInt64>>(cellData, field, nodes);
+    case PayloadType::Float32:
+      return std::make_unique<PayloadFiller<float>>(cellData, field, nodes);
+    case PayloadType::Float64:
+      return std::make_unique<PayloadFiller<double>>(cellData, field, nodes);
+  }
+  return nullptr;
+}
+
+// Grows one hyper tree from its leaves in Morton order.
+class TreeBuilder
+{
+public:
+  TreeBuilder(vtkHyperTree* tree, vtkIdType globalStart)
+    : Tree(tree)
+    , GlobalStart(globalStart)
+  {
+    tree->SetGlobalIndexStart(globalStart);
+  }
+
+  void AddLeaf(const P4estQuadrant& leaf, ArrayFillers& fillers)
+  {
+    for (; this->Level < leaf.level; ++this->Level)
+    {
+      // A subdivision's eight children are appended to the tree's vertices.
+      this->FirstChild[this->Level] = this->Tree->GetNumberOfVertices();
+      this->Tree->SubdivideLeaf(this->Node[this->Level], static_cast<unsigned int>(this->Level));
+      this->Node[this->Level + 1] = this->FirstChild[this->Level];
+    }
+    for (auto& filler : fillers)
+    {
+      filler->SetLeaf(this->GlobalStart + this->Node[this->Level], leaf);
+    }
+    while (this->Level > 0 && this->Node[this->Level] == this->FirstChild[this->Level - 1] + 7)
+    {
+      --this->Level;
+      for (auto& filler : fillers)
+      {
+        filler->SetInner(
+          this->GlobalStart + this->Node[this->Level], this->GlobalStart + this->FirstChild[this->Level]);
+      }
+    }
+    if (this->Level > 0)
+    {
+      ++this->Node[this->Level];
+    }
+  }
+
+private:
+  vtkHyperTree* Tree;
+  vtkIdType GlobalStart;
+  // The path from the root to where the next leaf begins: per level the node and, above the last, its first
+  // child.
+  int Level = 0;
+  std::array<vtkIdType, P4estForestFile::maxLevel + 1> Node{};
+  std::array<vtkIdType, P4estForestFile::maxLevel + 1> FirstChild{};
+};
+
+void SetLattice(vtkHyperTreeGrid* grid, const treeamr::P4estTreeLattice& lattice)
+{
+  std::array<vtkSmartPointer<vtkDoubleArray>, 3> coordinates;
+  std::array<unsigned int, 3> points;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::vector<double>& planes = lattice.planes()[axis];
+    points[axis] = static_cast<unsigned int>(planes.size());
+    coordinates[axis] = vtkSmartPointer<vtkDoubleArray>::New();
+    coordinates[axis]->SetNumberOfValues(static_cast<vtkIdType>(planes.size()));
+    std::ranges::copy(planes, coordinates[axis]->GetPointer(0));
+  }
+  grid->SetBranchFactor(2);
+  grid->SetDimensions(points.data());
+  grid->SetXCoordinates(coordinates[0]);
+  grid->SetYCoordinates(coordinates[1]);
+  grid->SetZCoordinates(coordinates[2]);
+}
+
+// The first global index of each tree, and behind the last tree the number of all nodes.
+std::vector<vtkIdType> FindTreeStarts(const P4estForestFile& file)
+{
+  std::vector<vtkIdType> starts(1, 0);
+  starts.reserve(file.treeCount() + std::size_t(1));
+  for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+  {
+    const std::uint64_t nodes = file.nodeCount(tree);
+    constexpr std::uint64_t maxNodes = std::numeric_limits<unsigned int>::max();
+    if (nodes > maxNodes)
+    {
+      throw treeamr::Error(file.path() + ": tree " + std::to_string(tree) + ": " + std::to_string(nodes) +
+        " nodes, allowed " + std::to_string(maxNodes) + ", the most of a vtkHyperTree");
+    }
+    starts.push_back(starts.back() + static_cast<vtkIdType>(nodes));
+  }
+  return starts;
+}
+
+// A layout that fits the size, to show what the property wants.
+std::string ExamplePayload(std::size_t size)
+{
+  for (const auto& [type, bytes] : { std::pair("double", 8), std::pair("float", 4), std::pair("char", 1) })
+  {
+    if (size % bytes == 0)
+    {
+      return std::string(type) + " value[" + std::to_string(size / bytes) + "]";
+    }
+  }
+  return {};
+}
+
+// Throws Error when the layout does not describe what the file holds.
+std::vector<PayloadField> ReadPayloadText(const P4estForestFile& file, const std::string& text)
+{
+  const treeamr::PayloadLayout layout = treeamr::PayloadLayout::parse(text);
+  if (layout.size() != file.payloadSize())
+  {
+    throw treeamr::Error(file.path() + ": payload \"" + text + "\" takes " + std::to_string(layout.size()) +
+      " bytes, allowed the " + std::to_string(file.payloadSize()) + " bytes per quadrant of the file");
+  }
+  return layout.fields();
+}
+
+} // namespace
+
+vtkTreeAMRP4estReader::vtkTreeAMRP4estReader()
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+vtkTreeAMRP4estReader::~vtkTreeAMRP4estReader()
+{
+  this->SetFileName(nullptr);
+  this->SetPayload(nullptr);
+}
+
+void vtkTreeAMRP4estReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n"
+     << indent << "Payload: " << (this->Payload ? this->Payload : "(none)") << "\n"
+     << indent << "GenerateLevel: " << this->GenerateLevel << "\n";
+}
+
+int vtkTreeAMRP4estReader::CanReadFile(const char* fileName)
+{
+  return fileName && P4estForestFile::hasMagic(fileName) ? 1 : 0;
+}
+
+int vtkTreeAMRP4estReader::FillOutputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkHyperTreeGrid");
+  return 1;
+}
+
+int vtkTreeAMRP4estReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  outputVector->GetInformationObject(0)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  return 1;
+}
+
+int vtkTreeAMRP4estReader::RequestData(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  vtkInformation* const outInfo = outputVector->GetInformationObject(0);
+  vtkHyperTreeGrid* const output = vtkHyperTreeGrid::GetData(outInfo);
+  output->Initialize();
+  if (!this->FileName || !*this->FileName)
+  {
+    vtkErrorMacro("FileName is not set.");
+    return 0;
+  }
+  if (outInfo->Has(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) &&
+    outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
+  {
+    return 1;
+  }
+  try
+  {
+    vtkNew<vtkHyperTreeGrid> grid;
+    this->Read(grid);
+    output->ShallowCopy(grid);
+    return 1;
+  }
+  catch (const std::bad_alloc&)
+  {
+    vtkErrorMacro(<< this->FileName << ": not enough memory");
+  }
+  catch (const std::exception& error)
+  {
+    vtkErrorMacro(<< error.what());
+  }
+  return 0;
+}
+
+void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
+{
+  const P4estForestFile file(this->FileName);
+  const treeamr::P4estTreeLattice lattice(file);
+  SetLattice(grid, lattice);
+  const std::vector<vtkIdType> treeStarts = FindTreeStarts(file);
+  const vtkIdType nodes = treeStarts.back();
+
+  const std::string payload = this->Payload ? this->Payload : "";
+  std::vector<PayloadField> fields;
+  if (!payload.empty())
+  {
+    fields = ReadPayloadText(file, payload);
+  }
+  else if (file.payloadSize() == sizeof(double))
+  {
+    fields = { { "value", PayloadType::Float64, 1, 0 } };
+  }
+  else if (file.payloadSize() > 0)
+  {
+    vtkWarningMacro(
+      << file.path() << ": the " << file.payloadSize()
+      << " bytes of each quadrant are left out, for their layout is unknown: set Payload to it, "
+         "for example \""
+      << ExamplePayload(file.payloadSize()) << "\".");
+  }
+
+  ArrayFillers fillers;
+  for (const PayloadField& field : fields)
+  {
+    fillers.push_back(MakeFiller(grid->GetCellData(), field, nodes));
+  }
+  if (this->GenerateLevel || fields.empty())
+  {
+    // An array of the payload keeps its name.
+    const auto isFree = [&](const char* name) { return !grid->GetCellData()->HasArray(name); };
+    if (isFree("level"))
+    {
+      fillers.push_back(std::make_unique<LevelFiller>(grid->GetCellData(), nodes));
+    }
+    if (isFree("treeid"))
+    {
+      fillers.push_back(std::make_unique<TreeIdFiller>(grid->GetCellData(), nodes));
+    }
+  }
+
+  std::unique_ptr<TreeBuilder> builder;
+  std::int32_t tree = -1;
+  std::uint64_t visited = 0;
+  const std::uint64_t progressStep = file.quadrantCount() / 50 + 1;
+  file.visitQuadrants([&](const P4estQuadrant& leaf) {
+    if (leaf.tree != tree)
+    {
+      tree = leaf.tree;
+      const std::array<int, 3>& place = lattice.place(tree);
+      vtkIdType index;
+      grid->GetIndexFromLevelZeroCoordinates(index, place[0], place[1], place[2]);
+      builder = std::make_unique<TreeBuilder>(grid->GetTree(index, true), treeStarts[tree]);
+    }
+    builder->AddLeaf(leaf, fillers);
+    if (++visited % progressStep == 0)
+    {
+      this->UpdateProgress(static_cast<double>(visited) / static_cast<double>(file.quadrantCount()));
+    }
+  });
+}
+
+int vtkTreeAMRP4estReader::ProcessTrees(vtkHyperTreeGrid*, vtkDataObject*)
+{
+  return 1; // pure in the base class, for filters; a source has no trees to process
+}

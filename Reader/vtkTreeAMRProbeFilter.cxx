@@ -1,0 +1,308 @@
+// One sampler per component, all points in parallel.
+#include "vtkTreeAMRProbeFilter.h"
+
+#include "HyperTreeGridConverter.h"
+
+#include "Error.h"
+#include "Interpolation/Sampler.h"
+
+#include "vtkCellData.h"
+#include "vtkCharArray.h"
+#include "vtkDataSet.h"
+#include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
+#include "vtkFloatArray.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+vtkStandardNewMacro(vtkTreeAMRProbeFilter);
+
+namespace
+{
+
+/// The results for one cell array: values, and gradients or null.
+struct ArrayResult
+{
+  vtkSmartPointer<vtkDataArray> Values;
+  vtkSmartPointer<vtkDataArray> Gradients;
+};
+
+vtkSmartPointer<vtkDataArray> NewResultArray(
+  vtkDataArray* source, const std::string& name, int components, vtkIdType points)
+{
+  vtkSmartPointer<vtkDataArray> array;
+  if (source->GetDataType() == VTK_DOUBLE)
+  {
+    array = vtkSmartPointer<vtkDoubleArray>::New();
+  }
+  else
+  {
+    array = vtkSmartPointer<vtkFloatArray>::New();
+  }
+  array->SetName(name.c_str());
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(points);
+  return array;
+}
+
+/// Writes one component at all points, NaN where the sampler has no cell, and marks the others in `valid`.
+void SampleComponent(
+  const treeamr::Sampler& sampler, vtkDataSet* input, int component, const ArrayResult& result, char* valid)
+{
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  tbb::parallel_for(
+    tbb::blocked_range<vtkIdType>(0, input->GetNumberOfPoints(), 1024), [&](const auto& range) {
+      for (vtkIdType i = range.begin(); i != range.end(); ++i)
+      {
+        std::array<double, 3> point;
+        input->GetPoint(i, point.data());
+        treeamr::FieldSample sample{ nan, { nan, nan, nan } };
+        if (sampler.sample(point, sample))
+        {
+          valid[i] = 1;
+        }
+        result.Values->SetComponent(i, component, sample.value);
+        for (int a = 0; result.Gradients && a < 3; ++a)
+        {
+          result.Gradients->SetComponent(i, 3 * component + a, sample.gradient[a]);
+        }
+      }
+    });
+}
+
+/// NaN stands for no value: that is 0 at points where no array has one.
+void ClearOutside(vtkDataArray* array, const char* valid)
+{
+  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+  {
+    for (int c = 0; !valid[i] && c < array->GetNumberOfComponents(); ++c)
+    {
+      array->SetComponent(i, c, 0.);
+    }
+  }
+}
+
+/// The arrays whose names are not taken, and their roles where free.
+void PassArrays(vtkDataSetAttributes* from, vtkDataSetAttributes* to)
+{
+  for (int i = 0; i < from->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* array = from->GetAbstractArray(i);
+    if (!array->GetName() || !to->HasArray(array->GetName()))
+    {
+      to->AddArray(array);
+    }
+  }
+  for (int i = 0; i < vtkDataSetAttributes::NUM_ATTRIBUTES; ++i)
+  {
+    vtkAbstractArray* array = from->GetAbstractAttribute(i);
+    if (array && array->GetName() && !to->GetAbstractAttribute(i))
+    {
+      to->SetActiveAttribute(array->GetName(), i);
+    }
+  }
+}
+
+} // namespace
+
+vtkTreeAMRProbeFilter::vtkTreeAMRProbeFilter()
+{
+  this->SetNumberOfInputPorts(2);
+  this->SetValidPointMaskArrayName("vtkValidPointMask");
+}
+
+vtkTreeAMRProbeFilter::~vtkTreeAMRProbeFilter()
+{
+  this->SetValidPointMaskArrayName(nullptr);
+}
+
+void vtkTreeAMRProbeFilter::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "InterpolationMethod: " << this->InterpolationMethod << "\n";
+  os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
+  os << indent << "ValidPointMaskArrayName: "
+     << (this->ValidPointMaskArrayName ? this->ValidPointMaskArrayName : "(none)") << "\n";
+  os << indent << "PassPointArrays: " << this->PassPointArrays << "\n";
+  os << indent << "PassCellArrays: " << this->PassCellArrays << "\n";
+  os << indent << "PassFieldArrays: " << this->PassFieldArrays << "\n";
+}
+
+void vtkTreeAMRProbeFilter::SetSourceData(vtkHyperTreeGrid* source)
+{
+  this->SetInputDataInternal(1, source);
+}
+
+void vtkTreeAMRProbeFilter::SetSourceConnection(vtkAlgorithmOutput* source)
+{
+  this->SetInputConnection(1, source);
+}
+
+vtkHyperTreeGrid* vtkTreeAMRProbeFilter::GetSource()
+{
+  return this->GetNumberOfInputConnections(1) > 0
+    ? vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(1, 0))
+    : nullptr;
+}
+
+int vtkTreeAMRProbeFilter::FillInputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkDataSet" : "vtkHyperTreeGrid");
+  return 1;
+}
+
+int vtkTreeAMRProbeFilter::RequestInformation(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  using SDDP = vtkStreamingDemandDrivenPipeline;
+  vtkInformation* inInfo = inputVector[0]->GetInformationObject(0);
+  vtkInformation* sourceInfo = inputVector[1]->GetInformationObject(0);
+  vtkInformation* outInfo = outputVector->GetInformationObject(0);
+  outInfo->CopyEntry(sourceInfo, SDDP::TIME_STEPS());
+  outInfo->CopyEntry(sourceInfo, SDDP::TIME_RANGE());
+  outInfo->CopyEntry(inInfo, SDDP::WHOLE_EXTENT());
+  return 1;
+}
+
+// Each process probes its piece of the points in the whole grid.
+int vtkTreeAMRProbeFilter::RequestUpdateExtent(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  using SDDP = vtkStreamingDemandDrivenPipeline;
+  const int done = this->Superclass::RequestUpdateExtent(request, inputVector, outputVector);
+  vtkInformation* sourceInfo = inputVector[1]->GetInformationObject(0);
+  sourceInfo->Remove(SDDP::UPDATE_EXTENT());
+  if (sourceInfo->Has(SDDP::WHOLE_EXTENT()))
+  {
+    sourceInfo->Set(SDDP::UPDATE_EXTENT(), sourceInfo->Get(SDDP::WHOLE_EXTENT()), 6);
+  }
+  sourceInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), 0);
+  sourceInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), 1);
+  sourceInfo->Set(SDDP::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  return done;
+}
+
+int vtkTreeAMRProbeFilter::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkDataSet* input = vtkDataSet::GetData(inputVector[0]);
+  vtkHyperTreeGrid* source = vtkHyperTreeGrid::GetData(inputVector[1]);
+  vtkDataSet* output = vtkDataSet::GetData(outputVector);
+  try
+  {
+    output->CopyStructure(input);
+    this->Probe(input, source, output);
+    if (this->PassPointArrays)
+    {
+      PassArrays(input->GetPointData(), output->GetPointData());
+    }
+    if (this->PassCellArrays)
+    {
+      PassArrays(input->GetCellData(), output->GetCellData());
+    }
+    // The pipeline passes field data beforehand, but the CopyStructure() of some data sets clears it.
+    output->GetFieldData()->Initialize();
+    if (this->PassFieldArrays)
+    {
+      output->GetFieldData()->PassData(input->GetFieldData());
+    }
+  }
+  catch (const std::exception& e)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< e.what());
+    return 0;
+  }
+  return 1;
+}
+
+void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, vtkDataSet* output)
+{
+  const vtkIdType points = input->GetNumberOfPoints();
+  vtkNew<vtkCharArray> valid;
+  valid->SetName(this->ValidPointMaskArrayName);
+  valid->SetNumberOfValues(points);
+  valid->FillValue(0);
+  if (points > 0)
+  {
+    double unused[3];
+    input->GetPoint(0, unused); // the first call builds what later ones only read
+  }
+
+  const auto method = static_cast<treeamr::InterpolationMethod>(this->InterpolationMethod);
+  std::vector<std::shared_ptr<const treeamr::Octree>> octrees; // kept for the next arrays: the cache does not
+  std::vector<ArrayResult> results;
+  std::vector<std::string> failures;
+  vtkCellData* cells = source->GetCellData();
+  for (int i = 0; i < cells->GetNumberOfArrays(); ++i)
+  {
+    vtkDataArray* array = cells->GetArray(i);
+    const char* name = array ? array->GetName() : nullptr;
+    if (!name || strcmp(name, vtkDataSetAttributes::GhostArrayName()) == 0)
+    {
+      continue;
+    }
+    const int components = array->GetNumberOfComponents();
+    std::vector<std::unique_ptr<treeamr::Sampler>> samplers;
+    try
+    {
+      for (int c = 0; c < components; ++c)
+      {
+        auto field = treeamr::acquireField(source, { name, c }, false);
+        octrees.push_back(field->sharedOctree());
+        samplers.push_back(treeamr::Sampler::create(method, std::move(field)));
+      }
+    }
+    catch (const treeamr::Error& e)
+    {
+      failures.push_back(e.what());
+      continue;
+    }
+    ArrayResult& result = results.emplace_back();
+    result.Values = NewResultArray(array, name, components, points);
+    if (this->ComputeGradients)
+    {
+      result.Gradients = NewResultArray(array, std::string(name) + "_gradient", 3 * components, points);
+    }
+    for (int c = 0; c < components; ++c)
+    {
+      SampleComponent(*samplers[c], input, c, result, valid->GetPointer(0));
+    }
+  }
+
+  if (results.empty())
+  {
+    throw treeamr::Error(
+      failures.empty() ? "probe: the source has no numeric cell array with a name" : failures.front());
+  }
+  for (const std::string& failure : failures)
+  {
+    vtkWarningMacro(<< failure);
+  }
+  for (const ArrayResult& result : results)
+  {
+    for (vtkDataArray* array : { result.Values.Get(), result.Gradients.Get() })
+    {
+      if (array)
+      {
+        ClearOutside(array, valid->GetPointer(0));
+        output->GetPointData()->AddArray(array);
+      }
+    }
+  }
+  output->GetPointData()->AddArray(valid);
+}

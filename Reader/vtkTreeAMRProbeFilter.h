@@ -1,0 +1,123 @@
+/**
+ * @class   vtkTreeAMRProbeFilter
+ * @brief   the reconstructed arrays of a vtkHyperTreeGrid at the points of a data set
+ *
+ * Input 0 gives the points, input 1 (Source) the grid. The output has the geometry of input 0 and, as point
+ * arrays, every numeric cell array of the grid under its own name, all components interpolated one by one
+ * (vtkGhostType is left out), and on request "<name>_gradient" with three components per component of the
+ * array (d/dx, d/dy, d/dz of the first, then of the second ...). Arrays of double give double, all others
+ * float.
+ *
+ * The array named ValidPointMaskArrayName is 1 at points inside a cell (ghosts too) and 0 outside, where
+ * values and gradients are 0. A point in a cell whose value is not finite in one array only is NaN in that
+ * array. See HyperTreeGridConverter.h for the cells that are drawn.
+ *
+ * Values are reconstructed from floats, whatever the array's type: an array of 1e9 plus small variations
+ * keeps about seven digits in all.
+ *
+ * Without a usable array, or for a grid that cannot be converted, there is an error and the output is empty;
+ * single arrays that cannot be converted are left out with a warning.
+ */
+#ifndef vtkTreeAMRProbeFilter_h
+#define vtkTreeAMRProbeFilter_h
+
+#include "vtkDataSetAlgorithm.h"
+#include "vtkTreeAMRReaderModule.h"
+
+class vtkHyperTreeGrid;
+
+class VTKTREEAMRREADER_EXPORT vtkTreeAMRProbeFilter : public vtkDataSetAlgorithm
+{
+public:
+  static vtkTreeAMRProbeFilter* New();
+  vtkTypeMacro(vtkTreeAMRProbeFilter, vtkDataSetAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The grid to be probed.
+   */
+  void SetSourceData(vtkHyperTreeGrid* source);
+  void SetSourceConnection(vtkAlgorithmOutput* source);
+  vtkHyperTreeGrid* GetSource();
+  ///@}
+
+  enum InterpolationMethodType
+  {
+    NEAREST = 0,
+    CURRENT = 1,
+    FINEST = 2,
+    OCTANT = 3,
+    GTI = 4
+  };
+
+  ///@{
+  /**
+   * How values between the cells' centres are reconstructed, one of the paper's five methods; GTI by default.
+   */
+  vtkSetClampMacro(InterpolationMethod, int, NEAREST, GTI);
+  vtkGetMacro(InterpolationMethod, int);
+  void SetInterpolationMethodToNearest() { this->SetInterpolationMethod(NEAREST); }
+  void SetInterpolationMethodToCurrent() { this->SetInterpolationMethod(CURRENT); }
+  void SetInterpolationMethodToFinest() { this->SetInterpolationMethod(FINEST); }
+  void SetInterpolationMethodToOctant() { this->SetInterpolationMethod(OCTANT); }
+  void SetInterpolationMethodToGTI() { this->SetInterpolationMethod(GTI); }
+  ///@}
+
+  ///@{
+  /**
+   * Whether to add the gradients, in world coordinates. Off by default.
+   */
+  vtkSetMacro(ComputeGradients, bool);
+  vtkGetMacro(ComputeGradients, bool);
+  vtkBooleanMacro(ComputeGradients, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Name of the array that marks the points inside; "vtkValidPointMask" by default.
+   */
+  vtkSetStringMacro(ValidPointMaskArrayName);
+  vtkGetStringMacro(ValidPointMaskArrayName);
+  ///@}
+
+  ///@{
+  /**
+   * Whether to pass the arrays of input 0 whose names are not taken by the results (off by default), and its
+   * field data (on by default), as in vtkProbeFilter.
+   */
+  vtkSetMacro(PassPointArrays, bool);
+  vtkGetMacro(PassPointArrays, bool);
+  vtkBooleanMacro(PassPointArrays, bool);
+  vtkSetMacro(PassCellArrays, bool);
+  vtkGetMacro(PassCellArrays, bool);
+  vtkBooleanMacro(PassCellArrays, bool);
+  vtkSetMacro(PassFieldArrays, bool);
+  vtkGetMacro(PassFieldArrays, bool);
+  vtkBooleanMacro(PassFieldArrays, bool);
+  ///@}
+
+protected:
+  vtkTreeAMRProbeFilter();
+  ~vtkTreeAMRProbeFilter() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  int InterpolationMethod = GTI;
+  bool ComputeGradients = false;
+  char* ValidPointMaskArrayName = nullptr;
+  bool PassPointArrays = false;
+  bool PassCellArrays = false;
+  bool PassFieldArrays = true;
+
+private:
+  vtkTreeAMRProbeFilter(const vtkTreeAMRProbeFilter&) = delete;
+  void operator=(const vtkTreeAMRProbeFilter&) = delete;
+
+  void Probe(vtkDataSet* input, vtkHyperTreeGrid* source, vtkDataSet* output);
+};
+
+#endif

@@ -1,0 +1,158 @@
+#include "MapperInput.h"
+
+#include "Error.h"
+
+#include "vtkAbstractMapper.h"
+#include "vtkBitArray.h"
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkMath.h"
+
+#include <algorithm>
+
+namespace treeamr
+{
+
+namespace
+{
+
+std::string listOfArrays(vtkHyperTreeGrid* grid)
+{
+  std::string list;
+  vtkCellData* cells = grid->GetCellData();
+  for (int i = 0; i < cells->GetNumberOfArrays(); ++i)
+  {
+    const char* name = cells->GetArrayName(i);
+    list += (i > 0 ? ", '" : "'") + std::string(name ? name : "") + "'";
+  }
+  return list.empty() ? "none" : list;
+}
+
+} // namespace
+
+vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid)
+{
+  vtkMTimeType time = std::max(grid->GetMTime(), grid->GetCellData()->GetMTime());
+  for (vtkObject* part : { static_cast<vtkObject*>(grid->GetMask()),
+         static_cast<vtkObject*>(grid->GetXCoordinates()), static_cast<vtkObject*>(grid->GetYCoordinates()),
+         static_cast<vtkObject*>(grid->GetZCoordinates()) })
+  {
+    time = part ? std::max(time, part->GetMTime()) : time;
+  }
+  return time;
+}
+
+std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId)
+{
+  vtkCellData* cells = grid->GetCellData();
+  const char* name = arrayId >= 0 && arrayId < cells->GetNumberOfArrays() ? cells->GetArrayName(arrayId) : nullptr;
+  if (!name)
+  {
+    throw Error("hyper tree grid: no cell array has the number " + std::to_string(arrayId) +
+      ", there are " + listOfArrays(grid));
+  }
+  return name;
+}
+
+std::string defaultCellArrayName(vtkHyperTreeGrid* grid)
+{
+  vtkCellData* cells = grid->GetCellData();
+  vtkDataArray* scalars = cells->GetScalars();
+  if (scalars && scalars->GetName())
+  {
+    return scalars->GetName();
+  }
+  for (int i = 0; i < cells->GetNumberOfArrays(); ++i)
+  {
+    // Null for strings and the like; ghost marks are no data.
+    vtkDataArray* array = cells->GetArray(i);
+    if (array && array->GetName() && std::string(array->GetName()) != vtkDataSetAttributes::GhostArrayName())
+    {
+      return array->GetName();
+    }
+  }
+  return {};
+}
+
+std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,
+  const char* arrayName, const std::string& fallback)
+{
+  switch (scalarMode)
+  {
+    case VTK_SCALAR_MODE_DEFAULT:
+    case VTK_SCALAR_MODE_USE_CELL_DATA:
+      return fallback;
+    case VTK_SCALAR_MODE_USE_CELL_FIELD_DATA:
+    {
+      const std::string name =
+        accessMode == VTK_GET_ARRAY_BY_ID ? cellArrayName(grid, arrayId) : arrayName ? arrayName : "";
+      if (!grid->GetCellData()->HasArray(name.c_str()))
+      {
+        throw Error("hyper tree grid: no cell array is called '" + name + "', there are " + listOfArrays(grid));
+      }
+      return name;
+    }
+    default:
+      throw Error("hyper tree grid: scalar mode " + std::to_string(scalarMode) +
+        " asks for point or field data, allowed are the default, cell data and cell field data");
+  }
+}
+
+const std::shared_ptr<const Field>& FieldSlot::acquire(
+  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+{
+  const vtkMTimeType time = grid ? gridModificationTime(grid) : 0;
+  const bool known = grid_ == grid && time_ == time && selection_.name == selection.name &&
+    selection_.component == selection.component;
+  if (known && !failure_.empty())
+  {
+    throw Error(failure_);
+  }
+  if (!known || !field_ || (withNodeRanges && !field_->hasNodeRanges()))
+  {
+    grid_ = grid;
+    time_ = time;
+    selection_ = selection;
+    failure_.clear();
+    try
+    {
+      // The old field lives until the new one is there: they may share an octree.
+      field_ = acquireField(grid, selection, withNodeRanges);
+    }
+    catch (const Error& error)
+    {
+      field_.reset();
+      failure_ = error.what();
+      throw;
+    }
+  }
+  return field_;
+}
+
+void BoundsSlot::get(vtkHyperTreeGrid* grid, double bounds[6])
+{
+  const vtkMTimeType time = grid ? gridModificationTime(grid) : 0;
+  if (grid != grid_ || time != time_)
+  {
+    computeLocalBounds(grid, bounds_.data());
+    // A prop without bounds is not asked to draw, and could not say what is wrong with its grid.
+    if (grid && !vtkMath::AreBoundsInitialized(bounds_.data()) && grid->GetNumberOfNonEmptyTrees() > 0)
+    {
+      grid->GetBounds(bounds_.data());
+    }
+    grid_ = grid;
+    time_ = time;
+  }
+  std::copy(bounds_.begin(), bounds_.end(), bounds);
+}
+
+bool OnceReporter::isNews(const std::string& message, vtkMTimeType stamp)
+{
+  const bool news = message != message_ || stamp != stamp_;
+  message_ = message;
+  stamp_ = stamp;
+  return news;
+}
+
+} // namespace treeamr

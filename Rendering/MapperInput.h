@@ -1,0 +1,76 @@
+// What the two mappers share on their input side: which array is meant, its field kept between frames, and
+// errors that are said once. Private to the module.
+#pragma once
+
+#include "HyperTreeGridConverter.h"
+
+#include "vtkType.h"
+
+#include <array>
+#include <memory>
+#include <string>
+
+class vtkHyperTreeGrid;
+
+namespace treeamr
+{
+
+/// Changes with the trees' mask, coordinates and cell arrays: vtkHyperTreeGrid::GetMTime() leaves these out.
+vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid);
+
+/// The name of a grid's cell array. Throws Error listing the arrays there are.
+std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId);
+/// The active scalars, else the first array; empty when the grid has no array.
+std::string defaultCellArrayName(vtkHyperTreeGrid* grid);
+
+/// The array that ScalarMode, ArrayAccessMode, ArrayId and ArrayName of a VTK mapper mean. `fallback` is meant
+/// by modes that name no array. Throws Error for modes of point or field data, which hyper tree grids have not.
+std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,
+  const char* arrayName, const std::string& fallback);
+
+/// The field of one array, made again only when grid or selection change. A failure is kept, too: reading an
+/// unfit array again at every frame would take as long as reading a fit one.
+class FieldSlot
+{
+public:
+  /// Throws Error as acquireField().
+  const std::shared_ptr<const Field>& acquire(
+    vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+
+private:
+  // Not dereferenced; a new grid at an old address has another modification time.
+  vtkHyperTreeGrid* grid_ = nullptr;
+  vtkMTimeType time_ = 0;
+  ArraySelection selection_;
+  std::shared_ptr<const Field> field_;
+  std::string failure_;
+};
+
+/// Local bounds, computed again only when the grid changes.
+class BoundsSlot
+{
+public:
+  /// Uninitialised bounds for no grid and no tree; the whole lattice's for a grid that cannot be drawn.
+  void get(vtkHyperTreeGrid* grid, double bounds[6]);
+
+private:
+  vtkHyperTreeGrid* grid_ = nullptr;
+  vtkMTimeType time_ = 0;
+  std::array<double, 6> bounds_{ 1., -1., 1., -1., 1., -1. };
+};
+
+/// Frames repeat; messages should not.
+class OnceReporter
+{
+public:
+  /// True when the message is new, or something that it may depend on has changed since it was said.
+  bool isNews(const std::string& message, vtkMTimeType stamp);
+  /// After a success the next failure is news.
+  void clear() { message_.clear(); }
+
+private:
+  std::string message_;
+  vtkMTimeType stamp_ = 0;
+};
+
+} // namespace treeamr

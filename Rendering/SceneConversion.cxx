@@ -1,0 +1,234 @@
+#include "SceneConversion.h"
+
+#include "Error.h"
+
+#include "vtkCamera.h"
+#include "vtkColorTransferFunction.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
+#include "vtkMath.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkProp3D.h"
+#include "vtkProperty.h"
+#include "vtkRenderer.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Finer than 8-bit colours can tell apart along any ramp; 64 KiB stay in the L2 cache.
+constexpr int tableSize = 4096;
+
+struct Interval
+{
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+
+  void add(const double range[2])
+  {
+    min = std::min(min, range[0]);
+    max = std::max(max, range[1]);
+  }
+};
+
+/// The functions of a property, evaluated one value at a time: vtkColorTransferFunction::GetTable() spaces a
+/// table over several values logarithmically when the function's scale is.
+class PropertyFunctions
+{
+public:
+  explicit PropertyFunctions(vtkVolumeProperty* property)
+    : opacity_(property->GetScalarOpacity(0))
+    , gray_(property->GetColorChannels(0) == 1 ? property->GetGrayTransferFunction(0) : nullptr)
+    , color_(gray_ ? nullptr : property->GetRGBTransferFunction(0))
+    , unitDistance_(property->GetScalarOpacityUnitDistance(0))
+  {
+    if (!(unitDistance_ > 0.) || !std::isfinite(unitDistance_))
+    {
+      throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance_) +
+        ", allowed are positive lengths");
+    }
+  }
+
+  /// Hull of the nodes of all functions: outside of it each is constant.
+  Interval nodeRange() const
+  {
+    Interval hull;
+    for (vtkPiecewiseFunction* function : { opacity_, gray_ })
+    {
+      if (function && function->GetSize() > 0)
+      {
+        hull.add(function->GetRange());
+      }
+    }
+    if (color_ && color_->GetSize() > 0)
+    {
+      hull.add(color_->GetRange());
+    }
+    return hull;
+  }
+
+  TransferFunction::Entry at(double value) const
+  {
+    double rgb[3];
+    if (gray_)
+    {
+      rgb[0] = rgb[1] = rgb[2] = gray_->GetValue(value);
+    }
+    else
+    {
+      color_->GetColor(value, rgb);
+    }
+    return { static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]),
+      TransferFunction::extinctionFromOpacity(opacity_->GetValue(value), unitDistance_) };
+  }
+
+private:
+  vtkPiecewiseFunction* opacity_;
+  vtkPiecewiseFunction* gray_;
+  vtkColorTransferFunction* color_;
+  double unitDistance_;
+};
+
+Vec3 toVec3(const double v[3])
+{
+  return { v[0], v[1], v[2] };
+}
+
+std::array<float, 3> scaledColor(const double rgb[3], double scale)
+{
+  return { static_cast<float>(rgb[0] * scale), static_cast<float>(rgb[1] * scale),
+    static_cast<float>(rgb[2] * scale) };
+}
+
+} // namespace
+
+Matrix4 convertMatrix(const vtkMatrix4x4* matrix)
+{
+  Matrix4 m;
+  for (int i = 0; i < 16; ++i)
+  {
+    m[i] = matrix->GetElement(i / 4, i % 4);
+  }
+  return m;
+}
+
+Matrix4 worldFromData(vtkProp3D* prop)
+{
+  vtkNew<vtkMatrix4x4> matrix;
+  prop->GetMatrix(matrix);
+  return convertMatrix(matrix);
+}
+
+Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
+{
+  vtkNew<vtkMatrix4x4> matrix;
+  prop->GetMatrix(matrix);
+  vtkCamera* camera = renderer->GetActiveCamera();
+  vtkMatrix4x4::Multiply4x4(
+    camera->GetCompositeProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1., 1.), matrix, matrix);
+  return convertMatrix(matrix);
+}
+
+std::vector<Light> convertLights(vtkRenderer* renderer)
+{
+  std::vector<Light> lights;
+  vtkLightCollection* collection = renderer->GetLights();
+  vtkCollectionSimpleIterator iterator;
+  collection->InitTraversal(iterator);
+  while (vtkLight* light = collection->GetNextLight(iterator))
+  {
+    if (!light->GetSwitch())
+    {
+      continue;
+    }
+    // The transformed ones: headlights and camera lights move with the camera.
+    double position[3];
+    double focalPoint[3];
+    light->GetTransformedPosition(position);
+    light->GetTransformedFocalPoint(focalPoint);
+    double direction[3];
+    vtkMath::Subtract(focalPoint, position, direction);
+    vtkMath::Normalize(direction);
+
+    Light converted;
+    converted.positional = light->GetPositional() != 0;
+    converted.position = toVec3(position);
+    converted.direction = toVec3(direction);
+    converted.coneAngle = light->GetConeAngle();
+    converted.exponent = light->GetExponent();
+    converted.attenuation = toVec3(light->GetAttenuationValues());
+    converted.color = scaledColor(light->GetDiffuseColor(), light->GetIntensity());
+    lights.push_back(converted);
+  }
+  return lights;
+}
+
+Material convertMaterial(vtkProperty* property)
+{
+  Material material;
+  material.ambient = scaledColor(property->GetAmbientColor(), property->GetAmbient());
+  material.diffuse = scaledColor(property->GetDiffuseColor(), property->GetDiffuse());
+  if (!property->GetLighting())
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      material.ambient[c] += material.diffuse[c];
+    }
+    material.diffuse = {};
+    return material;
+  }
+  material.specular = scaledColor(property->GetSpecularColor(), property->GetSpecular());
+  material.specularPower = static_cast<float>(property->GetSpecularPower());
+  return material;
+}
+
+TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange)
+{
+  const PropertyFunctions functions(property);
+  Interval part = functions.nodeRange();
+  if (!(part.min < part.max))
+  {
+    // No nodes, or all at one value, where clamped functions and range colours may jump.
+    part = { dataRange.min, dataRange.max };
+  }
+  if (dataRange.max <= part.min || dataRange.min >= part.max)
+  {
+    // Constant over the data, up to a value that is common to both: the far end tells.
+    const TransferFunction::Entry entry =
+      functions.at(dataRange.max <= part.min ? dataRange.min : dataRange.max);
+    return TransferFunction(dataRange.min, dataRange.max, { entry, entry });
+  }
+  part.min = std::max<double>(part.min, dataRange.min);
+  part.max = std::min<double>(part.max, dataRange.max);
+
+  // Two entries beyond each end: functions may jump there, to zero when clamping is off or to the colours for
+  // values out of range, and values far out must not touch the entries within.
+  constexpr int beyond = 2;
+  constexpr int last = tableSize - 1 - beyond;
+  const double step = (part.max - part.min) / (last - beyond);
+  std::vector<TransferFunction::Entry> entries(tableSize);
+  for (int i = 0; i < tableSize; ++i)
+  {
+    // The ends exactly: rounding must not take them over the jump. vtkPiecewiseFunction without clamping is
+    // zero on its first node, too.
+    double value = i == last ? part.max : part.min + (i - beyond) * step;
+    if (i == beyond)
+    {
+      value = std::nextafter(part.min, part.max);
+    }
+    entries[i] = functions.at(value);
+  }
+  return TransferFunction(part.min - beyond * step, part.max + beyond * step, std::move(entries));
+}
+
+} // namespace treeamr

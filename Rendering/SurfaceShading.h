@@ -1,0 +1,41 @@
+// From the hits of an isosurface to the pixels of a lit surface. Private to the module.
+#pragma once
+
+#include "vtkTreeAMRFramebuffer.h"
+
+#include "RayTracing/Isosurface.h"
+#include "RayTracing/Shading.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace treeamr
+{
+
+/// What all hits share.
+struct SurfaceAppearance
+{
+  Material material;
+  std::vector<Light> lights;
+  float opacity = 1.f;
+  /// Factors of the colours that replace the material's ambient and diffuse ones, when there are such colours.
+  float ambientOfColors = 0.f;
+  float diffuseOfColors = 1.f;
+};
+
+/// Values of a field at the hits, one per hit pixel in the order of the pixels; NaN where it has no cell.
+std::vector<float> valuesAtHits(const std::shared_ptr<const Field>& field, const HitImage& hits);
+
+/// Lights the hits in world coordinates. colors: RGBA of each hit pixel in the order of the pixels, or null.
+/// Fills RGBA and Depth of the image.
+void shadeHits(const HitImage& hits, const Camera& camera, const Matrix4& worldFromData,
+  const SurfaceAppearance& appearance, const unsigned char* colors, vtkTreeAMRSurfaceImage& image);
+
+/// One colour without lighting, for hardware selection.
+void fillHits(const HitImage& hits, const float rgb[3], vtkTreeAMRSurfaceImage& image);
+
+/// Fills Position and Normal of the image.
+void placeHits(const HitImage& hits, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image);
+
+} // namespace treeamr

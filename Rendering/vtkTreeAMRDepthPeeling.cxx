@@ -1,0 +1,342 @@
+#include "vtkTreeAMRDepthPeeling.h"
+
+#include "vtkTreeAMRFramebuffer.h"
+
+#include "Error.h"
+
+#include "vtkInformation.h"
+#include "vtkInformationObjectBaseVectorKey.h"
+#include "vtkOpenGLError.h" // brings the GL loader of this VTK: glew up to 9.3, glad from 9.4
+#include "vtkOpenGLRenderPass.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkProp.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProgram.h"
+
+#include <optional>
+#include <string>
+
+namespace
+{
+
+// Uniforms that a shader does not use do not exist: this one uses them all.
+const char* const probeShader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+uniform sampler2D innerDepthTex;
+uniform sampler2D outerDepthTex;
+uniform sampler2D opaqueDepthTex;
+uniform sampler2D lastFrontColorTex;
+uniform sampler2D depthRangeTex;
+void main()
+{
+  gl_FragData[0] = texture2D(innerDepthTex, texCoord) + texture2D(outerDepthTex, texCoord) +
+    texture2D(opaqueDepthTex, texCoord) + texture2D(lastFrontColorTex, texCoord) +
+    texture2D(depthRangeTex, texCoord);
+}
+)";
+
+const char* const outsideShader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+uniform sampler2D treeamrFront;
+uniform sampler2D treeamrBack;
+void main()
+{
+  gl_FragData[0] = texture2D(treeamrBack, texCoord);
+  gl_FragData[1] = texture2D(treeamrFront, texCoord);
+}
+)";
+
+// The front buffer is blended by maximum: it takes everything in front so far, put under the last peel here.
+const char* const peelShader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+uniform sampler2D treeamrFront;
+uniform sampler2D treeamrBack;
+uniform sampler2D lastFrontColorTex;
+void main()
+{
+  vec4 front = texture2D(treeamrFront, texCoord);
+  vec4 last = texture2D(lastFrontColorTex, texCoord);
+  gl_FragData[0] = texture2D(treeamrBack, texCoord);
+  gl_FragData[1] = last + (1.0 - last.a) * front;
+}
+)";
+
+const char* const remainderShader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+uniform sampler2D treeamrBack;
+void main()
+{
+  gl_FragData[0] = texture2D(treeamrBack, texCoord);
+}
+)";
+
+// The unit that a pass put into a sampler of the current program.
+GLint getTextureUnit(vtkShaderProgram* program, const char* sampler)
+{
+  const GLint location = glGetUniformLocation(static_cast<GLuint>(program->GetHandle()), sampler);
+  if (location < 0)
+  {
+    throw treeamr::Error(std::string("depth peeling: the probe shader has no sampler ") + sampler);
+  }
+  GLint unit = 0;
+  glGetUniformiv(static_cast<GLuint>(program->GetHandle()), location, &unit);
+  return unit;
+}
+
+// The texture in that unit: height x width x components floats.
+std::vector<float> readTexture(
+  vtkShaderProgram* program, const char* sampler, GLenum format, int components, int width, int height)
+{
+  const GLint unit = getTextureUnit(program, sampler);
+  std::vector<float> values(static_cast<std::size_t>(width) * height * components);
+
+  vtkTreeAMRFramebuffer::DiscardErrors();
+  GLint activeTexture = GL_TEXTURE0;
+  GLint packAlignment = 4;
+  GLint packBuffer = 0;
+  glGetIntegerv(GL_ACTIVE_TEXTURE, &activeTexture);
+  glGetIntegerv(GL_PACK_ALIGNMENT, &packAlignment);
+  glGetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &packBuffer);
+  glActiveTexture(GL_TEXTURE0 + unit);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  GLint textureWidth = 0;
+  GLint textureHeight = 0;
+  glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_WIDTH, &textureWidth);
+  glGetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_HEIGHT, &textureHeight);
+  const bool fits = textureWidth == width && textureHeight == height;
+  if (fits)
+  {
+    glGetTexImage(GL_TEXTURE_2D, 0, format, GL_FLOAT, values.data());
+  }
+  const GLenum error = glGetError();
+  glPixelStorei(GL_PACK_ALIGNMENT, packAlignment);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, static_cast<GLuint>(packBuffer));
+  glActiveTexture(static_cast<GLenum>(activeTexture));
+
+  if (!fits || error != GL_NO_ERROR)
+  {
+    throw treeamr::Error(std::string("depth peeling: texture ") + sampler + " has " +
+      std::to_string(textureWidth) + " x " + std::to_string(textureHeight) + " pixels, the viewport " +
+      std::to_string(width) + " x " + std::to_string(height) + " (OpenGL error " + std::to_string(error) + ")");
+  }
+  return values;
+}
+
+// The pass's depth textures hold (-nearest, farthest), because they are blended by maximum; -1 is "none".
+constexpr float none = -1.f;
+
+} // anonymous namespace
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRRaySegments::IsEmpty() const
+{
+  for (std::size_t i = 0; i < this->Begin.size(); ++i)
+  {
+    if (this->Begin[i] < this->End[i])
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRDepthPeeling::vtkTreeAMRDepthPeeling()
+  : ProbeQuad(probeShader)
+  , OutsideQuad(outsideShader)
+  , PeelQuad(peelShader)
+  , RemainderQuad(remainderShader)
+{
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRDepthPeeling::~vtkTreeAMRDepthPeeling() = default;
+
+//------------------------------------------------------------------------------
+vtkOpenGLRenderPass* vtkTreeAMRDepthPeeling::FindPass(vtkProp* volume)
+{
+  vtkInformation* keys = volume->GetPropertyKeys();
+  if (keys && keys->Has(vtkOpenGLRenderPass::RenderPasses()))
+  {
+    const int count = keys->Length(vtkOpenGLRenderPass::RenderPasses());
+    for (int i = 0; i < count; ++i)
+    {
+      vtkObjectBase* pass = keys->Get(vtkOpenGLRenderPass::RenderPasses(), i);
+      if (pass->IsA("vtkDualDepthPeelingPass"))
+      {
+        return vtkOpenGLRenderPass::SafeDownCast(pass);
+      }
+    }
+  }
+  return nullptr;
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRDepthPeeling::IsPeeling(vtkProp* volume)
+{
+  return FindPass(volume) != nullptr;
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRDepthPeeling::Stage vtkTreeAMRDepthPeeling::FindStage(
+  vtkOpenGLRenderPass* pass, vtkAbstractMapper* mapper, vtkProp* volume)
+{
+  std::string vertexShader;
+  std::string geometryShader;
+  std::string fragmentShader = "//VTK::DepthPeeling::Dec\n";
+  pass->PreReplaceShaderValues(vertexShader, geometryShader, fragmentShader, mapper, volume);
+  const auto declares = [&](const char* sampler)
+  { return fragmentShader.find(sampler) != std::string::npos; };
+  if (declares("depthRangeTex"))
+  {
+    return Stage::Remainder;
+  }
+  if (declares("lastFrontColorTex"))
+  {
+    return Stage::Peel;
+  }
+  if (declares("innerDepthTex"))
+  {
+    return Stage::Outside;
+  }
+  throw treeamr::Error("depth peeling: a stage of vtkDualDepthPeelingPass that is not known here");
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume,
+  int width, int height, vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back)
+{
+  vtkOpenGLRenderPass* pass = FindPass(volume);
+  if (!pass)
+  {
+    throw treeamr::Error("depth peeling: the volume is in no vtkDualDepthPeelingPass");
+  }
+  this->CurrentStage = FindStage(pass, mapper, volume);
+  vtkShaderProgram* program = this->ProbeQuad.Use(vtkTreeAMRFramebuffer::GetWindow(renderer));
+  pass->SetShaderParameters(program, mapper, volume, this->ProbeQuad.GetVertexArray());
+
+  const std::size_t pixels = static_cast<std::size_t>(width) * height;
+  for (vtkTreeAMRRaySegments* segments : { &front, &back })
+  {
+    segments->Begin.assign(pixels, 0.f);
+    segments->End.assign(pixels, 0.f);
+  }
+
+  if (this->CurrentStage == Stage::Remainder)
+  {
+    const std::vector<float> range = readTexture(program, "depthRangeTex", GL_RG, 2, width, height);
+    for (std::size_t i = 0; i < pixels; ++i)
+    {
+      if (range[2 * i] != none)
+      {
+        back.Begin[i] = -range[2 * i];
+        back.End[i] = range[2 * i + 1];
+      }
+    }
+    return;
+  }
+
+  const std::vector<float> inner = readTexture(program, "innerDepthTex", GL_RG, 2, width, height);
+  const std::vector<float> outer = readTexture(program, "outerDepthTex", GL_RG, 2, width, height);
+  if (this->CurrentStage == Stage::Outside)
+  {
+    // inner: the translucent surfaces, else the opaque one; outer: the opaque surface.
+    for (std::size_t i = 0; i < pixels; ++i)
+    {
+      const float opaque = outer[2 * i + 1];
+      back.End[i] = opaque >= 0.f ? opaque : 1.f;
+      if (inner[2 * i] != none)
+      {
+        front.End[i] = -inner[2 * i];
+        back.Begin[i] = inner[2 * i + 1];
+      }
+    }
+    return;
+  }
+
+  // outer: the surfaces of this peel; inner: those of the next one.
+  const std::vector<float> opaque =
+    readTexture(program, "opaqueDepthTex", GL_DEPTH_COMPONENT, 1, width, height);
+  this->LastFrontColorUnit = getTextureUnit(program, "lastFrontColorTex");
+  for (std::size_t i = 0; i < pixels; ++i)
+  {
+    if (outer[2 * i] == none)
+    {
+      continue;
+    }
+    const float nearest = -outer[2 * i];
+    const float farthest = outer[2 * i + 1];
+    const bool last = inner[2 * i] == none;
+    const float frontEnd = last ? farthest : -inner[2 * i];
+    const float backBegin = inner[2 * i + 1];
+    const bool sameSegment = nearest == backBegin && frontEnd == farthest;
+    if (!sameSegment)
+    {
+      front.Begin[i] = nearest;
+      front.End[i] = frontEnd >= opaque[i] ? opaque[i] : frontEnd;
+    }
+    if (!last && frontEnd < opaque[i])
+    {
+      back.Begin[i] = backBegin;
+      back.End[i] = farthest;
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRQuad& vtkTreeAMRDepthPeeling::StageQuad()
+{
+  switch (this->CurrentStage)
+  {
+    case Stage::Outside:
+      return this->OutsideQuad;
+    case Stage::Peel:
+      return this->PeelQuad;
+    case Stage::Remainder:
+      break;
+  }
+  return this->RemainderQuad;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRDepthPeeling::Draw(
+  vtkRenderer* renderer, const treeamr::Image& front, const treeamr::Image& back)
+{
+  vtkOpenGLRenderWindow* window = vtkTreeAMRFramebuffer::GetWindow(renderer);
+  const bool hasFront = this->CurrentStage != Stage::Remainder;
+  this->Back.Upload(window, back.width, back.height, 4, back.rgba.data());
+  if (hasFront)
+  {
+    this->Front.Upload(window, front.width, front.height, 4, front.rgba.data());
+  }
+  vtkTreeAMRQuad& quad = this->StageQuad();
+  vtkShaderProgram* program = quad.Use(window);
+  const vtkTreeAMRFloatTexture::Binding backBinding(this->Back, program, "treeamrBack");
+  std::optional<vtkTreeAMRFloatTexture::Binding> frontBinding;
+  if (hasFront)
+  {
+    frontBinding.emplace(this->Front, program, "treeamrFront");
+  }
+  if (this->CurrentStage == Stage::Peel)
+  {
+    program->SetUniformi("lastFrontColorTex", this->LastFrontColorUnit);
+  }
+  quad.Draw(); // blending is the pass's
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRDepthPeeling::ReleaseGraphicsResources(vtkWindow* window)
+{
+  for (vtkTreeAMRQuad* quad :
+    { &this->ProbeQuad, &this->OutsideQuad, &this->PeelQuad, &this->RemainderQuad })
+  {
+    quad->ReleaseGraphicsResources();
+  }
+  this->Front.ReleaseGraphicsResources(window);
+  this->Back.ReleaseGraphicsResources(window);
+}

@@ -1,0 +1,72 @@
+// A volume's part in vtkDualDepthPeelingPass, so that translucent polygons inside it are composited exactly.
+//
+// The pass peels translucent surfaces from both ends at once and asks volumes, between two peels, for the
+// segments of each ray between the surfaces just peeled: first the parts outside of all surfaces, then a front
+// and a back segment for every peel, and, when the number of peels is used up, what remains in the middle. VTK's
+// GPU mapper takes part through shader substitutions; here the pass's depth textures are read back, the segments
+// are traced on the CPU and the images are written the way those substituted shaders write them. Naive drawing
+// instead would end up in the pass's working textures.
+//
+// The pass keeps its stage to itself, but what it substitutes tells it. Its textures hold 8 bits a channel, and
+// two volumes in the same pixels are blended by maximum: both are limits of the pass.
+#pragma once
+
+#include "RayTracing/Image.h"
+#include "vtkTreeAMRQuad.h"
+
+#include <vector>
+
+class vtkAbstractMapper;
+class vtkOpenGLRenderPass;
+class vtkProp;
+class vtkRenderer;
+class vtkWindow;
+
+/// A part of each pixel's ray in window depths, lower left first; nothing where Begin >= End.
+struct vtkTreeAMRRaySegments
+{
+  std::vector<float> Begin;
+  std::vector<float> End;
+  bool IsEmpty() const;
+};
+
+class vtkTreeAMRDepthPeeling
+{
+public:
+  vtkTreeAMRDepthPeeling();
+  ~vtkTreeAMRDepthPeeling();
+  vtkTreeAMRDepthPeeling(const vtkTreeAMRDepthPeeling&) = delete;
+  vtkTreeAMRDepthPeeling& operator=(const vtkTreeAMRDepthPeeling&) = delete;
+
+  /// Whether the volume is being rendered by the pass: then Begin, two images and Draw replace drawing over the
+  /// framebuffer.
+  static bool IsPeeling(vtkProp* volume);
+
+  /// The segments to trace now. width x height is the viewport. Throws treeamr::Error.
+  void Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume, int width, int height,
+    vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back);
+  /// The premultiplied images of the two segments. Throws treeamr::Error.
+  void Draw(vtkRenderer* renderer, const treeamr::Image& front, const treeamr::Image& back);
+
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  enum class Stage
+  {
+    Outside,  // in front of and behind all translucent surfaces
+    Peel,     // between the peel before and the one just done, in front and behind
+    Remainder // between the last peels
+  };
+  static vtkOpenGLRenderPass* FindPass(vtkProp* volume);
+  static Stage FindStage(vtkOpenGLRenderPass* pass, vtkAbstractMapper* mapper, vtkProp* volume);
+  vtkTreeAMRQuad& StageQuad();
+
+  Stage CurrentStage = Stage::Outside;
+  int LastFrontColorUnit = 0;
+  vtkTreeAMRQuad ProbeQuad; // never drawn: holds the texture units that the pass sets
+  vtkTreeAMRQuad OutsideQuad;
+  vtkTreeAMRQuad PeelQuad;
+  vtkTreeAMRQuad RemainderQuad;
+  vtkTreeAMRFloatTexture Front;
+  vtkTreeAMRFloatTexture Back;
+};

@@ -1,0 +1,84 @@
+// Images of the CPU renderers into VTK's OpenGL framebuffers, and the depth of what is already there out of them.
+//
+// Works on whatever framebuffer and viewport are bound for drawing, so that it serves render passes, IceT and
+// multisampled windows as well as plain ones. All OpenGL state is restored: vtkOpenGLState keeps a copy of it
+// and, in debugging builds of VTK, compares the two at every call.
+#pragma once
+
+#include "RayTracing/Image.h"
+#include "vtkTreeAMRQuad.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+class vtkAbstractMapper;
+class vtkActor;
+class vtkOpenGLRenderWindow;
+class vtkProp;
+class vtkRenderer;
+class vtkWindow;
+
+/// Where the image goes in the framebuffer that is bound for drawing, in pixels.
+struct vtkTreeAMRViewport
+{
+  int X = 0;
+  int Y = 0;
+  int Width = 0;
+  int Height = 0;
+};
+
+/// One surface point a pixel, lower left first; a pixel with alpha 0 has none.
+struct vtkTreeAMRSurfaceImage
+{
+  std::vector<float> RGBA;  // not premultiplied
+  std::vector<float> Depth; // window depth
+  // x, y, z in view coordinates; only when vtkTreeAMRFramebuffer::WantsGeometry()
+  std::vector<float> Position;
+  std::vector<float> Normal;
+};
+
+class vtkTreeAMRFramebuffer
+{
+public:
+  vtkTreeAMRFramebuffer();
+  ~vtkTreeAMRFramebuffer();
+  vtkTreeAMRFramebuffer(const vtkTreeAMRFramebuffer&) = delete;
+  vtkTreeAMRFramebuffer& operator=(const vtkTreeAMRFramebuffer&) = delete;
+
+  /// Throws treeamr::Error when the renderer does not draw into an OpenGL window.
+  static vtkOpenGLRenderWindow* GetWindow(vtkRenderer* renderer);
+  /// The current OpenGL viewport: the renderer's own, except inside passes that draw into textures. Throws Error.
+  static vtkTreeAMRViewport GetViewport(vtkRenderer* renderer);
+  /// Forgets OpenGL errors that others left behind, so that what is found next is one's own.
+  static void DiscardErrors();
+
+  /// Window depth of each pixel of the viewport; 1 everywhere when the framebuffer has no depth. Of a
+  /// multisampled framebuffer one sample a pixel. Throws Error.
+  void ReadDepth(vtkRenderer* renderer, const vtkTreeAMRViewport& viewport, std::vector<float>& depth);
+
+  /// Blends a premultiplied image over the framebuffer's colour and alpha (IceT composites with the alpha);
+  /// depth is neither tested nor written. Throws Error.
+  void DrawOver(vtkRenderer* renderer, const treeamr::Image& image);
+
+  /// Whether a pass around this prop's rendering takes positions and normals (vtkSSAOPass).
+  static bool WantsGeometry(vtkProp* prop);
+  /// Draws with real depth: opaque pixels in the opaque pass; in the translucent pass by the protocol of the
+  /// pass (order independent or depth peeling), blended with the image's alpha. Throws Error.
+  void DrawSurface(vtkRenderer* renderer, vtkActor* actor, vtkAbstractMapper* mapper,
+    const vtkTreeAMRViewport& viewport, const vtkTreeAMRSurfaceImage& image);
+
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  vtkTreeAMRQuad& SurfaceQuad(vtkActor* actor, vtkAbstractMapper* mapper);
+
+  vtkTreeAMRQuad OverQuad;
+  // The passes rewrite the shader and have stages of their own: one program for each text they make.
+  std::map<std::string, std::unique_ptr<vtkTreeAMRQuad>> SurfaceQuads;
+  vtkTreeAMRFloatTexture Color;
+  vtkTreeAMRFloatTexture Depth;
+  vtkTreeAMRFloatTexture Position;
+  vtkTreeAMRFloatTexture Normal;
+};

@@ -1,0 +1,76 @@
+"""Installs the build into a prefix and uses it from there: libraries, CMake package, Python package, plugin.
+
+TestInstall.py [--python] [--pvpython <pvpython>] <cmake> <build folder> <scratch folder>
+"""
+
+import argparse
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--python", action="store_true", help="there is a Python package")
+parser.add_argument("--pvpython", help="there is a plugin, and the Python package works with this interpreter")
+parser.add_argument("cmake")
+parser.add_argument("build", type=pathlib.Path)
+parser.add_argument("scratch", type=pathlib.Path)
+options = parser.parse_args()
+
+here = pathlib.Path(__file__).parent
+prefix = options.scratch / "prefix"
+
+# Nothing of the build may be found but through the prefix.
+environment = {k: v for k, v in os.environ.items()
+               if k not in ("LD_LIBRARY_PATH", "PYTHONPATH", "PV_PLUGIN_PATH", "CMAKE_PREFIX_PATH")}
+
+
+def run(*command):
+    print("+", *command, flush=True)
+    done = subprocess.run([str(c) for c in command], env=environment, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    print(done.stdout, flush=True)
+    if done.returncode != 0:
+        sys.exit(f"{command[0]} ended with {done.returncode}")
+    return done.stdout
+
+
+def run_with_environment_file(*command):
+    return run("sh", "-c", '. "$0" && exec "$@"', prefix / "share/treeamr/env.sh", *command)
+
+
+def check_libraries():
+    """Each installed library finds the others in the prefix."""
+    libraries = [f for f in prefix.rglob("*.so") if not f.is_symlink()]
+    if not libraries:
+        sys.exit(f"{prefix}: no library was installed")
+    for library in libraries:
+        lines = run("ldd", library).splitlines()
+        lost = [line for line in lines
+                if "not found" in line or ("TreeAMR" in line and f"=> {prefix}/" not in line)]
+        if lost:
+            sys.exit(f"{library}: not found in the prefix: {lost}")
+
+
+shutil.rmtree(options.scratch, ignore_errors=True)
+run(options.cmake, "--install", options.build, "--prefix", prefix)
+check_libraries()
+
+consumer = options.scratch / "consumer"
+run(options.cmake, "-S", here / "Consumer", "-B", consumer, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
+    "-DCMAKE_BUILD_TYPE=Release")
+run(options.cmake, "--build", consumer)
+programs = sorted(consumer.glob("consume-*"))
+if not programs:
+    sys.exit("no program was built")
+for program in programs:
+    run(program)
+
+python = [options.pvpython, "--force-offscreen-rendering"] if options.pvpython else [sys.executable]
+if options.python:
+    where = run_with_environment_file(*python, here / "importPackage.py")
+    if str(prefix) not in where:
+        sys.exit("treeamr was imported from elsewhere")
+if options.pvpython:
+    run_with_environment_file(*python, here / "loadPlugin.py")

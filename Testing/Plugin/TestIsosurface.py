@@ -1,0 +1,109 @@
+"""The representation `Tree AMR Isosurface`."""
+
+
+from paraview import simple
+
+import scene
+
+
+class TestIsosurface(scene.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.source = simple.TreeAMRExample(Dataset="Synthetic")
+        self.view = scene.view()
+        self.representation = simple.Show(self.source, self.view)
+        simple.ColorBy(self.representation, None)
+        self.representation.SetRepresentationType("Tree AMR Isosurface")
+        scene.look(self.view)
+
+    def picture(self, name):
+        return scene.picture(self.view, "isosurface-" + name)
+
+    def test_isovalue_starts_in_the_middle(self):
+        low, high = self.source.CellData["xyz"].GetRange()
+        self.assertAlmostEqual((low + high) / 2, self.representation.Isovalue, places=5)
+        self.assertTrue(scene.drawn(self.picture("middle")).any())
+
+    def test_isovalue_outside_the_range(self):
+        self.representation.Isovalue = -1.0
+        self.assertFalse(scene.drawn(self.picture("outside")).any())
+
+    def test_isovalue_follows_another_array(self):
+        arrays = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+n = grid.GetNumberOfCells()
+for name, values in (('big', numpy.linspace(100, 200, n)), ('v', numpy.linspace([0, 10, 0], [0, 20, 0], n))):
+    array = numpy_to_vtk(values, deep=1)
+    array.SetName(name)
+    grid.GetCellData().AddArray(array)
+""")
+        simple.Hide(self.source, self.view)
+        representation = simple.Show(arrays, self.view)
+        representation.SetRepresentationType("Tree AMR Isosurface")
+        representation.IsosurfaceArray = ["CELLS", "big"]
+        self.assertAlmostEqual(150, representation.Isovalue)
+        representation.Isovalue = 120
+        representation.IsosurfaceArray = ["CELLS", "v"]
+        representation.IsosurfaceComponent = "Magnitude"
+        self.assertAlmostEqual(15, representation.Isovalue)
+        # The mapper finds the same values in the magnitude: the surface is there.
+        self.assertTrue(scene.drawn(self.picture("magnitude")).any())
+        representation.Isovalue = 11
+        representation.IsosurfaceComponent = "Y"
+        self.assertEqual(11, representation.Isovalue)
+
+    def test_solid_colour(self):
+        self.representation.DiffuseColor = self.representation.AmbientColor = [1, 0, 0]
+        image = self.picture("red")
+        self.assertGreater(image[..., 0].max(), 100)
+        self.assertEqual(0, image[..., 1:].max())
+
+    def test_colours_of_the_colour_map(self):
+        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        scene.set_colour(self.representation.LookupTable, 0, 64, (0, 1, 0))
+        green = self.picture("green")
+        self.assertGreater(green[..., 1].max(), 100)
+        self.assertEqual(0, green[..., ::2].max())
+        scene.set_colour(self.representation.LookupTable, 0, 64, (0, 0, 1))
+        blue = self.picture("blue")
+        self.assertGreater(blue[..., 2].max(), 100)
+        self.assertEqual(0, blue[..., :2].max())
+        self.assertTrue((scene.drawn(green) == scene.drawn(blue)).all())
+
+    def test_lighting(self):
+        bright = self.picture("lit")
+        self.representation.Diffuse = 0.0
+        self.representation.Ambient = 0.0
+        self.assertFalse(scene.drawn(self.picture("unlit")).any())
+        self.representation.Ambient = 1.0
+        self.representation.AmbientColor = self.representation.DiffuseColor = [1, 1, 1]
+        flat = self.picture("flat")
+        self.assertEqual({0, 255}, set(flat.ravel()))
+        self.assertTrue((scene.drawn(flat) == scene.drawn(bright)).all())
+
+    def test_opacity(self):
+        self.representation.Ambient, self.representation.Diffuse = 1.0, 0.0
+        self.representation.AmbientColor = self.representation.DiffuseColor = [1, 1, 1]
+        self.representation.Opacity = 0.5
+        image = self.picture("translucent")
+        self.assertLess(abs(int(image.max()) - 127.5), 1)
+
+    def test_depth(self):
+        """A ball in the corner that the surface cuts off: in front of the surface or behind it."""
+        self.representation.DiffuseColor = self.representation.AmbientColor = [1, 0, 0]
+        ball = simple.Sphere(Center=[4, 4, 4], Radius=1, ThetaResolution=32, PhiResolution=32)
+        shown = simple.Show(ball, self.view)
+        shown.DiffuseColor = shown.AmbientColor = [0, 0, 1]
+        for direction, hidden in (((1, 1, 1), "surface"), ((-1, -1, -1), "ball")):
+            scene.look(self.view, direction)
+            image = self.picture("behind-" + hidden)
+            centre = image[image.shape[0] // 2, image.shape[1] // 2]
+            self.assertEqual(hidden == "surface", centre[0] == 0)
+            self.assertEqual(hidden == "ball", centre[2] == 0)
+
+
+if __name__ == "__main__":
+    scene.main()

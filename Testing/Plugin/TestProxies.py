@@ -1,0 +1,90 @@
+"""The source and the filter of the plugin, through ParaView's server manager."""
+
+import os
+import sys
+
+from paraview import servermanager, simple
+from paraview.vtk.util.numpy_support import vtk_to_numpy
+
+import scene
+from treeamr.vtkTreeAMRReader import vtkTreeAMRExampleSource
+
+FOREST = sys.argv[1]
+
+
+class TestProxies(scene.TestCase):
+    def test_plugin_is_loaded_from_the_path(self):
+        loaded = servermanager.vtkSMProxyManager.GetProxyManager().GetPluginManager().GetLocalInformation()
+        names = [loaded.GetPluginName(i) for i in range(loaded.GetNumberOfPlugins())
+                 if loaded.GetPluginLoaded(i)]
+        self.assertIn("TreeAMR", names)
+
+    def test_plugin_loads_by_name(self):
+        folder = os.environ["PV_PLUGIN_PATH"].split(":")[0]
+        simple.LoadPlugin(os.path.join(folder, "TreeAMR", "TreeAMR.so"), remote=False, ns=globals())
+
+    def test_example(self):
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        source.UpdatePipeline()
+        grid = servermanager.Fetch(source)
+        self.assertEqual("vtkHyperTreeGrid", grid.GetClassName())
+        self.assertEqual(288, grid.GetNumberOfLeaves())
+        self.assertEqual(["xyz"], source.CellData.keys())
+        self.assertEqual((0, 4) * 3, source.GetDataInformation().GetBounds())
+
+    def test_example_defaults_are_those_of_the_class(self):
+        proxy, source = simple.TreeAMRExample(), vtkTreeAMRExampleSource()
+        self.assertEqual("Mandelbulb", proxy.Dataset)
+        self.assertEqual(source.GetDataset(), vtkTreeAMRExampleSource.MANDELBULB)
+        self.assertEqual(source.GetMinimumLevel(), proxy.MinimumLevel)
+        self.assertEqual(source.GetMaximumLevel(), proxy.MaximumLevel)
+        self.assertEqual(source.GetRefinementThreshold(), proxy.RefinementThreshold)
+
+    def test_example_levels(self):
+        source = simple.TreeAMRExample(MinimumLevel=2, MaximumLevel=2)
+        source.UpdatePipeline()
+        self.assertEqual(8 ** 2, servermanager.Fetch(source).GetNumberOfLeaves())
+
+    def test_p4est_reader(self):
+        """A forest that libp4est has saved, opened by its name, is the example of the same levels."""
+        example = simple.TreeAMRExample(MinimumLevel=2, MaximumLevel=4)
+        for reader in (simple.OpenDataFile(FOREST), simple.TreeAMRP4estReader(FileName=FOREST)):
+            self.assertEqual("TreeAMRP4estReader", reader.GetXMLName())
+            reader.Payload = "double bulb"
+            reader.GenerateLevel = 1
+            reader.UpdatePipeline()
+            self.assertEqual({"bulb", "level", "treeid"}, set(reader.CellData.keys()))
+            grid, expected = servermanager.Fetch(reader), servermanager.Fetch(example)
+            self.assertEqual(expected.GetNumberOfLeaves(), grid.GetNumberOfLeaves())
+            self.assertEqual(expected.GetCellData().GetArray("mandelbulb").GetRange(),
+                             grid.GetCellData().GetArray("bulb").GetRange())
+
+    def test_probe(self):
+        grid = simple.TreeAMRExample(Dataset="Synthetic")
+        points = simple.Line(Point1=[1.0, 1.2, 0.9], Point2=[3.0, 2.8, 3.1], Resolution=100)
+        probe = simple.TreeAMRProbe(Input=points, Source=grid, ComputeGradients=1)
+        self.assertEqual("GTI", probe.InterpolationMethod)
+        result = servermanager.Fetch(probe)
+        x, y, z = vtk_to_numpy(result.GetPoints().GetData()).astype(float).T
+        values = vtk_to_numpy(result.GetPointData().GetArray("xyz"))
+        # GTI reproduces trilinear fields, here x y z with values up to 64, away from the edge of the domain.
+        self.assertLess(abs(values - x * y * z).max(), 64e-6)
+        gradients = vtk_to_numpy(result.GetPointData().GetArray("xyz_gradient"))
+        self.assertLess(abs(gradients[:, 2] - x * y).max(), 64e-5)
+        self.assertTrue(vtk_to_numpy(result.GetPointData().GetArray("vtkValidPointMask")).all())
+
+    def test_probe_methods(self):
+        grid = simple.TreeAMRExample(Dataset="Synthetic")
+        points = simple.Line(Point1=[0.6, 0.6, 0.6], Point2=[0.6, 0.6, 0.6], Resolution=1)
+        probe = simple.TreeAMRProbe(Input=points, Source=grid)
+        self.assertEqual(["Nearest", "Current", "Finest", "Octant", "GTI"],
+                         list(probe.GetProperty("InterpolationMethod").Available))
+        probe.InterpolationMethod = "Nearest"
+        self.assertEqual(0.125, servermanager.Fetch(probe).GetPointData().GetArray("xyz").GetValue(0))
+        probe.InterpolationMethod = "GTI"
+        value = servermanager.Fetch(probe).GetPointData().GetArray("xyz").GetValue(0)
+        self.assertAlmostEqual(0.216, value, delta=64e-6)
+
+
+if __name__ == "__main__":
+    scene.main()

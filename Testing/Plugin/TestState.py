@@ -1,0 +1,52 @@
+"""Saved states bring back the representations, their properties and the picture."""
+
+import os
+import sys
+
+from paraview import simple
+
+import scene
+
+
+class TestState(scene.TestCase):
+    def make(self, kind):
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        view = scene.view()
+        representation = simple.Show(source, view)
+        simple.ColorBy(representation, ("CELLS", "xyz"))
+        representation.SetRepresentationType(kind)
+        representation.ScalarOpacityUnitDistance = 0.7
+        representation.SamplesPerCell = 3
+        representation.Isovalue = 6.5
+        scene.look(view)
+        return scene.picture(view, "state-before")
+
+    def check(self, kind, before):
+        (source,) = simple.GetSources().values()
+        view = simple.GetActiveView()
+        representation = simple.GetRepresentation(source, view)
+        self.assertEqual(kind, representation.Representation)
+        self.assertEqual(0.7, representation.ScalarOpacityUnitDistance)
+        self.assertEqual(3, representation.SamplesPerCell)
+        self.assertEqual(6.5, representation.Isovalue)
+        self.assertEqual(["CELLS", "xyz"], list(representation.IsosurfaceArray))
+        view.UseFXAA = 0  # ParaView's states do not keep it
+        after = scene.picture(view, "state-after")
+        self.assertGreater(scene.drawn(after).mean(), 0.01)
+        self.assertTrue(scene.close((before, after)))
+
+    def test_round_trips(self):
+        for kind in ("Tree AMR Volume", "Tree AMR Isosurface"):
+            for suffix in ("pvsm", "py"):
+                with self.subTest(kind=kind, suffix=suffix):
+                    path = os.path.join(sys.argv[-1], "state." + suffix)
+                    simple.ResetSession()
+                    before = self.make(kind)
+                    simple.SaveState(path)
+                    simple.ResetSession()
+                    simple.LoadState(path)
+                    self.check(kind, before)
+
+
+if __name__ == "__main__":
+    scene.main()

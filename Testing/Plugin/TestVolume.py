@@ -1,0 +1,144 @@
+"""The representation `Tree AMR Volume`."""
+
+
+import numpy
+from paraview import simple
+
+import scene
+
+
+class TestVolume(scene.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.source = simple.TreeAMRExample(Dataset="Synthetic")
+        self.view = scene.view()
+        self.representation = simple.Show(self.source, self.view)
+
+    def picture(self, name):
+        return scene.picture(self.view, "volume-" + name)
+
+    def show(self, rgb=(1, 0, 0), opacity=0.5):
+        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        scene.set_colour(self.representation.LookupTable, 0, 64, rgb)
+        scene.set_opacity(self.representation.ScalarOpacityFunction, 0, 64, opacity)
+        scene.look(self.view)
+
+    def test_colours_of_the_colour_map(self):
+        self.show(rgb=(1, 0, 0))
+        red = self.picture("red")
+        drawn = scene.drawn(red)
+        self.assertGreater(drawn.mean(), 0.1)
+        self.assertFalse(drawn.all())
+        self.assertEqual(0, red[..., 1:].max())
+        scene.set_colour(self.representation.LookupTable, 0, 64, (0, 0, 1))
+        blue = self.picture("blue")
+        self.assertTrue(scene.close((red[..., 0], blue[..., 2])))
+        self.assertEqual(0, blue[..., :2].max())
+
+    def test_opacity_over_the_unit_distance(self):
+        """Along the axis of a parallel projection every ray crosses 4: opacity 1 - (1 - 0.5)^(4 / unit)."""
+        self.show(opacity=0.5)
+        simple.ResetCamera(self.view)
+        camera = self.view.GetActiveCamera()
+        camera.SetPosition(2, 2, 20)
+        camera.SetFocalPoint(2, 2, 2)
+        camera.SetViewUp(0, 1, 0)
+        self.view.CameraParallelProjection = 1
+        self.view.CameraParallelScale = 3
+        for unit in (1.0, 4.0):
+            self.representation.ScalarOpacityUnitDistance = unit
+            image = self.picture(f"unit-{unit:g}")
+            rows, columns = image.shape[:2]
+            centre = image[rows // 2 - 40:rows // 2 + 40, columns // 2 - 40:columns // 2 + 40, 0]
+            expected = 255 * (1 - 0.5 ** (4 / unit))
+            self.assertLess(numpy.abs(centre - expected).max(), 1.5)
+
+    def test_transparent(self):
+        self.show(opacity=0)
+        self.assertFalse(scene.drawn(self.picture("transparent")).any())
+
+    def test_hidden(self):
+        self.show()
+        self.representation.Visibility = 0
+        self.assertFalse(scene.drawn(self.picture("hidden")).any())
+
+    def test_unit_distance_starts_at_a_tenth_of_the_longest_side(self):
+        self.assertAlmostEqual(0.4, self.representation.ScalarOpacityUnitDistance)
+
+    def test_without_an_array(self):
+        """The first array with default colours: the same picture as with those colours chosen."""
+        simple.ColorBy(self.representation, None)
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        scene.look(self.view)
+        default = self.picture("default")
+        self.assertGreater(scene.drawn(default).mean(), 0.1)
+        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        # The range of all cells, coarse ones included, as ParaView has it.
+        low, high = self.source.CellData["xyz"].GetRange()
+        table = self.representation.LookupTable
+        table.Discretize = 0
+        table.ColorSpace = "Diverging"
+        table.RGBPoints = [low, 0.231373, 0.298039, 0.752941, high, 0.705882, 0.0156863, 0.14902]
+        self.representation.ScalarOpacityFunction.Points = [low, 0, 0.5, 0, high, 1, 0.5, 0]
+        self.assertTrue(scene.close((default, self.picture("chosen"))))
+
+    def test_component_of_the_colour_map(self):
+        """A vector array is drawn by the component, or the magnitude, that the colour map has chosen."""
+        vectors = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+values = numpy.tile([3.0, 4.0, 0.0], (grid.GetNumberOfCells(), 1))
+array = numpy_to_vtk(values, deep=1)
+array.SetName('v')
+grid.GetCellData().AddArray(array)
+""")
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(vectors, self.view)
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        scene.look(self.view)
+        for component, channel in (("Y", 1), ("X", 0), ("Magnitude", 2)):
+            simple.ColorBy(self.representation, ("CELLS", "v", component))
+            table = self.representation.LookupTable
+            # Red at 3, green at 4, blue at 5.
+            table.ColorSpace = "RGB"
+            table.RGBPoints = [3, 1, 0, 0, 4, 0, 1, 0, 5, 0, 0, 1]
+            scene.set_opacity(self.representation.ScalarOpacityFunction, 0, 5, 0.5)
+            image = self.picture("component-" + component)
+            self.assertEqual(channel, image.max(axis=(0, 1)).argmax(), component)
+
+    def test_moved(self):
+        self.show()
+        image = self.picture("still")
+        self.representation.Position = [0, 0, 1000]
+        self.assertFalse(scene.drawn(self.picture("away")).any())
+        self.representation.Position = [0, 0, 0]
+        self.assertTrue(scene.close((image, self.picture("back"))))
+
+    def test_changed_input(self):
+        """A new grid, smaller than the first, is drawn in its place."""
+        self.show()
+        before = scene.drawn(self.picture("before"))
+        self.source.Dataset = "Mandelbulb"
+        self.source.MaximumLevel = 5
+        self.source.UpdatePipeline()
+        simple.ColorBy(self.representation, ("CELLS", "mandelbulb"))
+        after = scene.drawn(self.picture("after"))
+        self.assertTrue(after.any())
+        self.assertLess(after.sum(), before.sum())
+
+    def test_group_of_one(self):
+        self.show()
+        alone = self.picture("alone")
+        group = simple.GroupDatasets(Input=[self.source])
+        group.UpdatePipeline()
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(group, self.view)
+        self.show()
+        self.assertTrue(scene.close((alone, self.picture("group"))))
+
+
+if __name__ == "__main__":
+    scene.main()

@@ -1,0 +1,91 @@
+"""What the tests of the plugin share: a small view, its picture as an array, colour maps of one colour."""
+
+import os
+import sys
+import unittest
+
+import numpy
+from paraview import simple
+from paraview.vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+BACKGROUND = (0, 0, 0)
+
+
+class TestCase(unittest.TestCase):
+    """Each test has a session of its own. What it keeps in its attributes must be released before the next one:
+    a view that outlives its session takes the OpenGL context with it."""
+
+    def setUp(self):
+        simple.ResetSession()
+        self.kept = set(vars(self))
+
+    def tearDown(self):
+        for name in set(vars(self)) - self.kept:
+            delattr(self, name)
+
+
+def main():
+    """Runs the tests of the script with their report on stdout: on stderr it would pass for an error."""
+    # Not by sys.exit(): pvpython then dies of an X error when there has been more than one session.
+    program = unittest.main(
+        argv=sys.argv[:1], testRunner=unittest.TextTestRunner(stream=sys.stdout, verbosity=2), exit=False)
+    if not program.result.wasSuccessful():
+        sys.exit(1)
+
+
+def view(width=240, height=180):
+    """A view with a black background and nothing but the data in it."""
+    result = simple.CreateView(
+        "RenderView", ViewSize=[width, height], UseColorPaletteForBackground=0,
+        Background=[c / 255 for c in BACKGROUND], OrientationAxesVisibility=0, UseFXAA=0)
+    simple.SetActiveView(result)
+    return result
+
+
+def look(render_view, direction=(1, 0.8, 2)):
+    """A camera that shows all the data from this direction."""
+    camera = render_view.GetActiveCamera()
+    camera.SetFocalPoint(0, 0, 0)
+    camera.SetPosition(*direction)
+    camera.SetViewUp(0, 1, 0)
+    simple.ResetCamera(render_view)
+
+
+def picture(render_view, name):
+    """The picture as an array [row, column, rgb] of 0 to 255; also saved, as <name>.png in the folder that is the
+    test's last argument."""
+    path = os.path.join(sys.argv[-1], name + ".png")
+    simple.SaveScreenshot(path, render_view)
+    return load(path)
+
+
+def load(path):
+    """A saved picture as an array [row, column, rgb] of 0 to 255."""
+    reader = vtkPNGReader()
+    reader.SetFileName(path)
+    reader.Update()
+    image = reader.GetOutput()
+    columns, rows, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1).astype(int)
+
+
+def drawn(image):
+    """Which pixels differ from the background."""
+    return (image != BACKGROUND).any(axis=2)
+
+
+def set_colour(lookup_table, low, high, rgb):
+    """One colour for all values."""
+    lookup_table.RGBPoints = [low, *rgb, high, *rgb]
+
+
+def set_opacity(function, low, high, opacity):
+    """One opacity for all values."""
+    function.Points = [low, opacity, 0.5, 0.0, high, opacity, 0.5, 0.0]
+
+
+def close(images):
+    """Whether two pictures agree up to the rounding of a colour."""
+    first, second = images
+    return numpy.abs(first - second).max() <= 1

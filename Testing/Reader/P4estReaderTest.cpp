@@ -1,0 +1,592 @@
+// The reader's hyper tree grids against the forests of libp4est they were saved from, cell by cell.
+#include "vtkTreeAMRP4estReader.h"
+
+#include "ExampleFields.h"
+
+#include "Support/ExampleForests.h"
+#include "Support/ForestBytes.h"
+#include "Support/HyperTreeGrids.h"
+
+#include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkDataArray.h"
+#include "vtkExecutive.h"
+#include "vtkHyperTree.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkHyperTreeGridGeometry.h"
+#include "vtkHyperTreeGridNonOrientedGeometryCursor.h"
+#include "vtkHyperTreeGridToUnstructuredGrid.h"
+#include "vtkNew.h"
+#include "vtkPolyData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+/// What a simulation might keep in its quadrants.
+struct State
+{
+  double rho;
+  float velocity[3];
+  int rank;
+  unsigned char flags[2];
+  long long id;
+};
+constexpr const char* stateText =
+  "double rho; float velocity[3]; int rank; unsigned char flags[2]; long long id";
+
+State stateOf(const ForestQuadrant& q)
+{
+  const std::uint64_t h = hashOf(q);
+  const auto part = [&](int i) { return static_cast<float>(h >> i & 255) / 16.f; };
+  State state{};
+  state.rho = std::ldexp(static_cast<double>(h >> 11), -53);
+  std::ranges::generate(state.velocity, [&, i = 0]() mutable { return part(8 * i++); });
+  state.rank = static_cast<int>(h);
+  state.flags[0] = static_cast<unsigned char>(h >> 40);
+  state.flags[1] = static_cast<unsigned char>(h >> 48);
+  state.id = static_cast<long long>(h);
+  return state;
+}
+
+void fillWithStates(ForestWriter& forest)
+{
+  forest.setPayload(sizeof(State), [](const ForestQuadrant& q, std::byte* payload) {
+    const State state = stateOf(q);
+    std::memcpy(payload, &state, sizeof(state));
+  });
+}
+
+using Visit = std::function<void(vtkHyperTreeGridNonOrientedGeometryCursor*)>;
+
+void visitLeaves(vtkHyperTreeGridNonOrientedGeometryCursor* cursor, const Visit& visit)
+{
+  if (cursor->IsLeaf())
+  {
+    visit(cursor);
+    return;
+  }
+  for (unsigned char child = 0; child < 8; ++child)
+  {
+    cursor->ToChild(child);
+    visitLeaves(cursor, visit);
+    cursor->ToParent();
+  }
+}
+
+/// All leaves by VTK's own cursor.
+void visitLeaves(vtkHyperTreeGrid* grid, const Visit& visit)
+{
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
+  grid->InitializeTreeIterator(iterator);
+  vtkNew<vtkHyperTreeGridNonOrientedGeometryCursor> cursor;
+  vtkIdType index;
+  while (iterator.GetNextTree(index))
+  {
+    grid->InitializeNonOrientedGeometryCursor(cursor, index);
+    visitLeaves(cursor, visit);
+  }
+}
+
+/// Coarse vertices with their children's first global index; children of a vertex follow each other.
+void visitCoarse(vtkHyperTreeGrid* grid, const std::function<void(vtkIdType, vtkIdType)>& visit)
+{
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
+  grid->InitializeTreeIterator(iterator);
+  while (vtkHyperTree* tree = iterator.GetNextTree())
+  {
+    for (vtkIdType vertex = 0; vertex < tree->GetNumberOfVertices(); ++vertex)
+    {
+      if (!tree->IsLeaf(vertex))
+      {
+        visit(tree->GetGlobalIndexFromLocal(vertex),
+          tree->GetGlobalIndexFromLocal(tree->GetElderChildIndex(static_cast<unsigned int>(vertex))));
+      }
+    }
+  }
+}
+
+/// Faces of leaves without a tree behind them: of the lattice's cells, which are unit cubes here.
+vtkIdType countOuterFaces(const ForestWriter& forest)
+{
+  const std::vector<ForestQuadrant> quadrants = forest.quadrants();
+  std::map<std::array<int, 3>, int> trees;
+  const auto placeOf = [](const ForestWriter::Point& p) {
+    return std::array{ int(std::floor(p[0])), int(std::floor(p[1])), int(std::floor(p[2])) };
+  };
+  for (const ForestQuadrant& q : quadrants)
+  {
+    trees[placeOf(forest.bounds(q)[0])] = q.tree;
+  }
+  vtkIdType faces = 0;
+  for (const ForestQuadrant& q : quadrants)
+  {
+    for (int face = 0; face < 6; ++face)
+    {
+      const auto axis = static_cast<std::size_t>(face / 2);
+      const bool upper = face % 2;
+      std::array<int, 3> behind = placeOf(forest.bounds(q)[0]);
+      behind[axis] += upper ? 1 : -1;
+      const std::uint32_t atSide = upper ? (1u << q.level) - 1 : 0;
+      faces += q.index[axis] == atSide && !trees.contains(behind);
+    }
+  }
+  return faces;
+}
+
+class P4estReaderTest : public ::testing::Test
+{
+protected:
+  /// Reads without a message.
+  vtkHyperTreeGrid* read(const std::string& path, const char* payload, bool generateLevel)
+  {
+    const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
+    const MessageCatcher warnings(reader_, vtkCommand::WarningEvent);
+    reader_->SetFileName(path.c_str());
+    reader_->SetPayload(payload);
+    reader_->SetGenerateLevel(generateLevel);
+    reader_->Modified(); // the file may be another under the same name
+    reader_->Update();
+    EXPECT_TRUE(errors.messages().empty()) << errors.messages()[0];
+    EXPECT_TRUE(warnings.messages().empty()) << warnings.messages()[0];
+    return reader_->GetHyperTreeGridOutput();
+  }
+
+  /// Reading fails with a message that has this part, and leaves nothing.
+  void expectError(const std::string& path, const char* payload, const std::string& part)
+  {
+    const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
+    const MessageCatcher failures(reader_->GetExecutive(), vtkCommand::ErrorEvent);
+    reader_->SetFileName(path.c_str());
+    reader_->SetPayload(payload);
+    reader_->Modified();
+    reader_->Update();
+    ASSERT_EQ(errors.messages().size(), 1u) << part;
+    EXPECT_NE(errors.messages()[0].find(part), std::string::npos)
+      << errors.messages()[0] << "should say " << part;
+    expectEmpty();
+  }
+
+  void expectEmpty()
+  {
+    vtkHyperTreeGrid* const grid = reader_->GetHyperTreeGridOutput();
+    EXPECT_EQ(grid->GetNumberOfCells(), 0);
+    EXPECT_EQ(grid->GetCellData()->GetNumberOfArrays(), 0);
+  }
+
+  /// Everything about a forest of State.
+  void expectReadsAs(ForestWriter& forest)
+  {
+    fillWithStates(forest);
+    const std::string path = folder_.file("forest.p8est");
+    forest.save(path);
+    vtkHyperTreeGrid* const grid = this->read(path, stateText, true);
+    this->expectLeaves(grid, forest);
+    this->expectCoarse(grid);
+  }
+
+  void expectLeaves(vtkHyperTreeGrid* grid, const ForestWriter& forest)
+  {
+    std::map<int, std::vector<ForestQuadrant>> trees;
+    for (const ForestQuadrant& q : forest.quadrants())
+    {
+      trees[q.tree].push_back(q);
+    }
+    vtkCellData* const data = grid->GetCellData();
+    std::map<int, std::size_t> visited;
+    visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+      const vtkIdType id = cursor->GetGlobalNodeIndex();
+      const int tree = static_cast<int>(data->GetArray("treeid")->GetTuple1(id));
+      ASSERT_LT(visited[tree], trees[tree].size());
+      const ForestQuadrant& q = trees[tree][visited[tree]++];
+      ASSERT_EQ(cursor->GetLevel(), static_cast<unsigned int>(q.level));
+      ASSERT_EQ(data->GetArray("level")->GetTuple1(id), q.level);
+
+      double bounds[6];
+      cursor->GetBounds(bounds);
+      const std::array<ForestWriter::Point, 2> expected = forest.bounds(q);
+      for (int a = 0; a < 3; ++a)
+      {
+        const double width = expected[1][a] - expected[0][a];
+        const double rounding = 1e-15 * (std::abs(expected[0][a]) + std::abs(expected[1][a]));
+        ASSERT_NEAR(bounds[2 * a], expected[0][a], rounding) << q.level;
+        ASSERT_NEAR(bounds[2 * a + 1] - bounds[2 * a], width, rounding);
+      }
+
+      const State state = stateOf(q);
+      ASSERT_EQ(data->GetArray("rho")->GetTuple1(id), state.rho);
+      for (int c = 0; c < 3; ++c)
+      {
+        ASSERT_EQ(data->GetArray("velocity")->GetComponent(id, c), state.velocity[c]);
+      }
+      ASSERT_EQ(data->GetArray("rank")->GetTuple1(id), state.rank);
+      ASSERT_EQ(data->GetArray("flags")->GetComponent(id, 0), state.flags[0]);
+      ASSERT_EQ(data->GetArray("flags")->GetComponent(id, 1), state.flags[1]);
+      ASSERT_EQ(data->GetArray("id")->GetVariantValue(id).ToLongLong(), state.id);
+    });
+    for (const auto& [tree, quadrants] : trees)
+    {
+      EXPECT_EQ(visited[tree], quadrants.size()) << "tree " << tree;
+    }
+  }
+
+  void expectCoarse(vtkHyperTreeGrid* grid)
+  {
+    vtkCellData* const data = grid->GetCellData();
+    visitCoarse(grid, [&](vtkIdType node, vtkIdType child) {
+      for (const auto& [name, components] : { std::pair("rho", 1), std::pair("velocity", 3) })
+      {
+        for (int c = 0; c < components; ++c)
+        {
+          double mean = 0.;
+          for (int i = 0; i < 8; ++i)
+          {
+            mean += data->GetArray(name)->GetComponent(child + i, c) / 8.;
+          }
+          ASSERT_NEAR(data->GetArray(name)->GetComponent(node, c), mean, 1e-6);
+        }
+      }
+      ASSERT_EQ(data->GetArray("id")->GetVariantValue(node).ToLongLong(),
+        data->GetArray("id")->GetVariantValue(child).ToLongLong());
+      ASSERT_EQ(
+        data->GetArray("flags")->GetComponent(node, 1), data->GetArray("flags")->GetComponent(child, 1));
+      ASSERT_EQ(data->GetArray("level")->GetTuple1(node), data->GetArray("level")->GetTuple1(child) - 1);
+      ASSERT_EQ(data->GetArray("treeid")->GetTuple1(node), data->GetArray("treeid")->GetTuple1(child));
+    });
+  }
+
+  TemporaryFolder folder_;
+  vtkNew<vtkTreeAMRP4estReader> reader_;
+};
+
+TEST_F(P4estReaderTest, OneCell)
+{
+  auto forest = ForestWriter::unitCube();
+  this->expectReadsAs(forest);
+  EXPECT_EQ(reader_->GetHyperTreeGridOutput()->GetNumberOfCells(), 1);
+}
+
+TEST_F(P4estReaderTest, UnitCubeUnbalancedAndBalanced)
+{
+  for (const int balance : { -1, 0, 1, 2 })
+  {
+    auto forest = ForestWriter::unitCube();
+    forest.refine([](const ForestQuadrant& q) { return q.level < 2; });
+    refineAtRandom(forest, 6, 3);
+    if (balance >= 0)
+    {
+      forest.balance(static_cast<Balance>(balance));
+    }
+    this->expectReadsAs(forest);
+  }
+}
+
+TEST_F(P4estReaderTest, Bricks)
+{
+  for (const bool periodic : { false, true })
+  {
+    for (const std::array<int, 3> trees :
+      { std::array{ 1, 1, 1 }, std::array{ 2, 1, 1 }, std::array{ 3, 2, 5 }, std::array{ 7, 1, 3 } })
+    {
+      auto forest = ForestWriter::brick(trees, { periodic, periodic, false });
+      refineAtRandom(forest, 4, 3);
+      this->expectReadsAs(forest);
+      const unsigned int* const cells = reader_->GetHyperTreeGridOutput()->GetCellDims();
+      EXPECT_EQ((std::array{ int(cells[0]), int(cells[1]), int(cells[2]) }), trees);
+    }
+  }
+}
+
+TEST_F(P4estReaderTest, StretchedBrick)
+{
+  auto forest = ForestWriter::brick({ 4, 2, 2 });
+  forest.moveVertices([](const ForestWriter::Point& p) {
+    return ForestWriter::Point{ p[0] * p[0] - 5., 0.1 * p[1], 1e3 + 7. * p[2] };
+  });
+  refineAtRandom(forest, 4, 2);
+  this->expectReadsAs(forest);
+}
+
+TEST_F(P4estReaderTest, DeepestLevelTowardsACorner)
+{
+  auto forest = ForestWriter::brick({ 1, 2, 1 });
+  forest.refine([](const ForestQuadrant& q) {
+    const std::uint32_t last = (1u << q.level) - 1;
+    return q.level < ForestWriter::maxLevel && q.index == std::array{ last, last, last };
+  });
+  this->expectReadsAs(forest);
+  EXPECT_EQ(reader_->GetHyperTreeGridOutput()->GetNumberOfLevels(),
+    static_cast<unsigned int>(ForestWriter::maxLevel) + 1);
+}
+
+// ParaView's own filters see the same cells: also beside places without a tree.
+TEST_F(P4estReaderTest, FiltersOfVtk)
+{
+  ForestWriter::Corners box;
+  const auto boxAt = [&](double x, double y, double z) {
+    for (int c = 0; c < 8; ++c)
+    {
+      box[c] = { x + (c & 1), y + (c >> 1 & 1), z + (c >> 2) };
+    }
+    return box;
+  };
+  const std::string path = folder_.file("forest.p8est");
+  for (ForestWriter forest :
+    { ForestWriter::unitCube(), ForestWriter::brick({ 3, 2, 2 }, { true, true, true }),
+      ForestWriter::separateTrees({ boxAt(2, 0, 0), boxAt(0, 0, 0), boxAt(1, 1, 0), boxAt(1, 1, 1) }) })
+  {
+    forest.refine([](const ForestQuadrant& q) { return q.level < 1; });
+    refineAtRandom(forest, 4, 3);
+    fillWithStates(forest);
+    forest.save(path);
+    this->read(path, stateText, false);
+
+    vtkNew<vtkHyperTreeGridGeometry> surface;
+    surface->SetInputConnection(reader_->GetOutputPort());
+    surface->Update();
+    EXPECT_EQ(surface->GetPolyDataOutput()->GetNumberOfCells(), countOuterFaces(forest));
+
+    vtkNew<vtkHyperTreeGridToUnstructuredGrid> cells;
+    cells->SetInputConnection(reader_->GetOutputPort());
+    cells->Update();
+    vtkUnstructuredGrid* const hexahedra = cells->GetUnstructuredGridOutput();
+    ASSERT_EQ(hexahedra->GetNumberOfCells(), forest.quadrantCount());
+    std::map<std::array<double, 3>, double> byCorner;
+    for (const ForestQuadrant& q : forest.quadrants())
+    {
+      byCorner[forest.bounds(q)[0]] = stateOf(q).rho;
+    }
+    for (vtkIdType i = 0; i < hexahedra->GetNumberOfCells(); ++i)
+    {
+      double bounds[6];
+      hexahedra->GetCellBounds(i, bounds);
+      const auto found = byCorner.find({ bounds[0], bounds[2], bounds[4] });
+      ASSERT_NE(found, byCorner.end());
+      ASSERT_EQ(hexahedra->GetCellData()->GetArray("rho")->GetTuple1(i), found->second);
+    }
+  }
+}
+
+TEST_F(P4estReaderTest, ArraysAreOfThePayloadsTypes)
+{
+  ForestWriter forest = ForestWriter::unitCube();
+  forest.refine([](const ForestQuadrant& q) { return q.level < 1; });
+  fillWithHashes(forest, 1 + 1 + 2 + 2 + 2 + 4 + 4 + 8 + 8 + 4 + 4 + 8);
+  const std::string path = folder_.file("types.p8est");
+  forest.save(path);
+  vtkHyperTreeGrid* const grid = this->read(path,
+    "int8 a; uint8 b; int16 c; uint16 d; pad[2]; int32 e; uint32 f; int64 g; uint64 h; float i; pad[4]; "
+    "double j",
+    false);
+  const std::vector<std::pair<const char*, int>> expected = { { "a", VTK_TYPE_INT8 }, { "b", VTK_TYPE_UINT8 },
+    { "c", VTK_TYPE_INT16 }, { "d", VTK_TYPE_UINT16 }, { "e", VTK_TYPE_INT32 }, { "f", VTK_TYPE_UINT32 },
+    { "g", VTK_TYPE_INT64 }, { "h", VTK_TYPE_UINT64 }, { "i", VTK_FLOAT }, { "j", VTK_DOUBLE } };
+  ASSERT_EQ(grid->GetCellData()->GetNumberOfArrays(), static_cast<int>(expected.size()));
+  for (int i = 0; i < grid->GetCellData()->GetNumberOfArrays(); ++i)
+  {
+    vtkDataArray* const array = grid->GetCellData()->GetArray(i);
+    EXPECT_STREQ(array->GetName(), expected[i].first);
+    EXPECT_EQ(array->GetDataType(), expected[i].second);
+    EXPECT_EQ(array->GetNumberOfTuples(), 9);
+    EXPECT_STRNE(array->GetClassName(), "vtkAOSDataArrayTemplate");
+  }
+}
+
+TEST_F(P4estReaderTest, WithoutPayload)
+{
+  ForestWriter forest = smallBrick();
+  const std::string path = folder_.file("bare.p8est");
+  forest.save(path, false);
+  vtkHyperTreeGrid* const grid = this->read(path, nullptr, false);
+  EXPECT_EQ(grid->GetCellData()->GetNumberOfArrays(), 2);
+  EXPECT_EQ(grid->GetCellData()->GetArray("level")->GetDataType(), VTK_UNSIGNED_CHAR);
+  EXPECT_EQ(grid->GetCellData()->GetArray("treeid")->GetDataType(), VTK_INT);
+  std::vector<std::array<int, 2>> expected;
+  std::vector<std::array<int, 2>> found;
+  for (const ForestQuadrant& q : forest.quadrants())
+  {
+    expected.push_back({ q.tree, q.level });
+  }
+  visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+    const vtkIdType id = cursor->GetGlobalNodeIndex();
+    found.push_back({ static_cast<int>(grid->GetCellData()->GetArray("treeid")->GetTuple1(id)),
+      static_cast<int>(cursor->GetLevel()) });
+  });
+  std::ranges::sort(expected);
+  std::ranges::sort(found);
+  EXPECT_EQ(expected, found);
+
+  this->expectError(path, "double rho", "payload \"double rho\" takes 8 bytes, allowed the 0 bytes");
+}
+
+TEST_F(P4estReaderTest, EightBytesWithoutALayoutAreADouble)
+{
+  auto forest = ForestWriter::unitCube();
+  forest.setPayload(8, [](const ForestQuadrant&, std::byte* payload) {
+    const double value = 42.;
+    std::memcpy(payload, &value, sizeof(value));
+  });
+  const std::string path = folder_.file("value.p8est");
+  forest.save(path);
+  vtkHyperTreeGrid* const grid = this->read(path, "", false);
+  ASSERT_EQ(grid->GetCellData()->GetNumberOfArrays(), 1);
+  EXPECT_EQ(grid->GetCellData()->GetArray("value")->GetTuple1(0), 42.);
+  EXPECT_EQ(this->read(path, "", true)->GetCellData()->GetNumberOfArrays(), 3);
+  EXPECT_EQ(this->read(path, "unsigned level, treeid", true)->GetCellData()->GetArray("level")->GetDataType(),
+    VTK_UNSIGNED_INT); // the payload keeps its names
+}
+
+TEST_F(P4estReaderTest, UnknownPayloadIsAWarning)
+{
+  const std::string path = folder_.file("unknown.p8est");
+  for (const auto& [bytes, example] :
+    { std::pair(24, "double value[3]"), std::pair(12, "float value[3]"), std::pair(5, "char value[5]") })
+  {
+    ForestWriter forest = ForestWriter::unitCube();
+    fillWithHashes(forest, static_cast<std::size_t>(bytes));
+    forest.save(path);
+    const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
+    const MessageCatcher warnings(reader_, vtkCommand::WarningEvent);
+    reader_->SetFileName(path.c_str());
+    reader_->Modified();
+    reader_->Update();
+    EXPECT_TRUE(errors.messages().empty());
+    ASSERT_EQ(warnings.messages().size(), 1u);
+    for (const std::string& part :
+      { path, "the " + std::to_string(bytes) + " bytes", std::string("set Payload"), std::string(example) })
+    {
+      EXPECT_NE(warnings.messages()[0].find(part), std::string::npos) << warnings.messages()[0];
+    }
+    EXPECT_EQ(reader_->GetHyperTreeGridOutput()->GetCellData()->GetNumberOfArrays(), 2);
+    EXPECT_EQ(reader_->GetHyperTreeGridOutput()->GetNumberOfCells(), 1);
+  }
+}
+
+TEST_F(P4estReaderTest, WrongPayloads)
+{
+  const std::string path = folder_.file("forest.p8est");
+  smallBrick().save(path);
+  this->expectError(
+    path, "double rho", path + ": payload \"double rho\" takes 8 bytes, allowed the 12 bytes");
+  this->expectError(path, "double rho; int i", "takes 16 bytes, allowed the 12 bytes");
+  this->expectError(path, "dooble rho", "position 1: \"dooble\"");
+  EXPECT_GT(this->read(path, "float rho[3]", false)->GetNumberOfCells(), 0); // and recovers
+}
+
+TEST_F(P4estReaderTest, OtherFiles)
+{
+  this->expectError(folder_.file("nothing.p8est"), "", "no such file");
+  this->expectError(folder_.file(""), "", "a directory");
+  this->expectError("", "", "FileName is not set");
+  EXPECT_EQ(reader_->CanReadFile(nullptr), 0);
+  EXPECT_EQ(reader_->CanReadFile(folder_.file("nothing.p8est").c_str()), 0);
+  EXPECT_EQ(reader_->CanReadFile(folder_.file("").c_str()), 0);
+
+  const std::string path = folder_.file("other.p8est");
+  writeBytes(path, {});
+  this->expectError(path, "", "begins with");
+  EXPECT_EQ(reader_->CanReadFile(path.c_str()), 0);
+
+  savePlanarForest(path);
+  this->expectError(path, "", "2-D forest");
+  EXPECT_EQ(reader_->CanReadFile(path.c_str()), 1);
+
+  ForestWriter::named("rotcubes").save(path);
+  this->expectError(path, "", "in identity orientation");
+  ForestWriter::withoutVertices().save(path);
+  this->expectError(path, "", "no vertices");
+}
+
+TEST_F(P4estReaderTest, SpoiltFiles)
+{
+  const std::string path = folder_.file("spoilt.p8est");
+  smallBrick().save(path);
+  const Bytes bytes = readBytes(path);
+  std::mt19937_64 random(3);
+  const MessageCatcher failures(reader_->GetExecutive(), vtkCommand::ErrorEvent);
+  reader_->SetFileName(path.c_str());
+  reader_->SetPayload("float value[3]");
+  int errorCount = 0;
+  for (int i = 0; i < 500; ++i)
+  {
+    Bytes spoilt = bytes;
+    spoilt[random() % bytes.size()] ^= std::byte(1 << random() % 8);
+    if (i % 10 == 0)
+    {
+      spoilt.resize(random() % bytes.size());
+    }
+    writeBytes(path, spoilt);
+    const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
+    reader_->Modified();
+    reader_->Update();
+    ASSERT_LE(errors.messages().size(), 1u);
+    errorCount += static_cast<int>(errors.messages().size());
+    if (!errors.messages().empty())
+    {
+      this->expectEmpty();
+    }
+  }
+  EXPECT_GT(errorCount, 200);
+}
+
+TEST_F(P4estReaderTest, FirstPieceHasAll)
+{
+  const std::string path = folder_.file("forest.p8est");
+  ForestWriter forest = smallBrick();
+  forest.save(path);
+  reader_->SetFileName(path.c_str());
+  reader_->SetPayload("float value[3]");
+  EXPECT_TRUE(reader_->UpdatePiece(1, 2, 0));
+  this->expectEmpty();
+  EXPECT_TRUE(reader_->UpdatePiece(0, 2, 0));
+  vtkIdType leaves = 0;
+  visitLeaves(reader_->GetHyperTreeGridOutput(), [&](auto*) { ++leaves; });
+  EXPECT_EQ(leaves, forest.quadrantCount());
+}
+
+// The demo's data, with the number of cells the field, the criterion and the balance are known to give.
+TEST_F(P4estReaderTest, Mandelbulb)
+{
+  auto forest = ForestWriter::unitCube();
+  forest.refine([](const ForestQuadrant& q) {
+    const double width = std::ldexp(1., -q.level);
+    return q.level < 4 ||
+      (q.level < 7 &&
+        rangeOverProbes(mandelbulb, { q.index[0] * width, q.index[1] * width, q.index[2] * width }, width) >
+          0.05);
+  });
+  forest.balance(Balance::Full);
+  ASSERT_EQ(forest.quadrantCount(), 305096);
+  forest.setPayload(sizeof(double), [](const ForestQuadrant& q, std::byte* payload) {
+    const double width = std::ldexp(1., -q.level);
+    const double value =
+      mandelbulb((q.index[0] + 0.5) * width, (q.index[1] + 0.5) * width, (q.index[2] + 0.5) * width);
+    std::memcpy(payload, &value, sizeof(value));
+  });
+  const std::string path = folder_.file("mandelbulb.p8est");
+  forest.save(path);
+  vtkHyperTreeGrid* const grid = this->read(path, "double field", false);
+  EXPECT_EQ(grid->GetNumberOfCells(), 305096 + 305095 / 7);
+  vtkDataArray* const field = grid->GetCellData()->GetArray("field");
+  vtkIdType leaves = 0;
+  visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+    double centre[3];
+    cursor->GetPoint(centre);
+    ASSERT_EQ(field->GetTuple1(cursor->GetGlobalNodeIndex()), mandelbulb(centre[0], centre[1], centre[2]));
+    ++leaves;
+  });
+  EXPECT_EQ(leaves, 305096);
+}
+
+} // namespace

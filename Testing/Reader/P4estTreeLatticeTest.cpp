@@ -1,0 +1,226 @@
+// Lattices of trees from connectivities of libp4est, and the trees that fit none.
+#include "P4estTreeLattice.h"
+#include "Error.h"
+#include "Support/ForestBytes.h"
+#include "Support/ForestWriter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+using Point = ForestWriter::Point;
+using Planes = std::array<std::vector<double>, 3>;
+
+ForestWriter::Corners boxCorners(const Point& min, const Point& max)
+{
+  ForestWriter::Corners corners;
+  for (int c = 0; c < 8; ++c)
+  {
+    corners[c] = { c & 1 ? max[0] : min[0], c & 2 ? max[1] : min[1], c & 4 ? max[2] : min[2] };
+  }
+  return corners;
+}
+
+class P4estTreeLatticeTest : public ::testing::Test
+{
+protected:
+  P4estTreeLattice latticeOf(const ForestWriter& forest)
+  {
+    forest.save(folder_.file("forest.p8est"));
+    return P4estTreeLattice(P4estForestFile(folder_.file("forest.p8est")));
+  }
+
+  void expectError(const ForestWriter& forest, const std::string& part)
+  {
+    try
+    {
+      latticeOf(forest);
+      ADD_FAILURE() << "no error, should say " << part;
+    }
+    catch (const Error& error)
+    {
+      const std::string found = error.what();
+      EXPECT_EQ(found.find(folder_.file("forest.p8est") + ": "), 0u) << found;
+      EXPECT_NE(found.find(part), std::string::npos) << found << "\nshould say " << part;
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(P4estTreeLatticeTest, UnitCube)
+{
+  const P4estTreeLattice lattice = latticeOf(ForestWriter::unitCube());
+  EXPECT_EQ(lattice.planes(), (Planes{ { { 0., 1. }, { 0., 1. }, { 0., 1. } } }));
+  EXPECT_EQ(lattice.place(0), (std::array{ 0, 0, 0 }));
+}
+
+TEST_F(P4estTreeLatticeTest, BricksPeriodicOrNot)
+{
+  for (const bool periodic : { false, true })
+  {
+    const P4estTreeLattice lattice =
+      latticeOf(ForestWriter::brick({ 3, 2, 5 }, { periodic, periodic, periodic }));
+    EXPECT_EQ(
+      lattice.planes(), (Planes{ { { 0., 1., 2., 3. }, { 0., 1., 2. }, { 0., 1., 2., 3., 4., 5. } } }));
+    std::set<std::array<int, 3>> places;
+    for (int tree = 0; tree < 30; ++tree)
+    {
+      places.insert(lattice.place(tree));
+    }
+    EXPECT_EQ(places.size(), 30u);
+    EXPECT_EQ(*places.begin(), (std::array{ 0, 0, 0 }));
+    EXPECT_EQ(*places.rbegin(), (std::array{ 2, 1, 4 }));
+  }
+}
+
+TEST_F(P4estTreeLatticeTest, ScaledShiftedAndStretched)
+{
+  auto forest = ForestWriter::brick({ 4, 1, 2 });
+  forest.moveVertices([](const Point& p) {
+    return Point{ p[0] * p[0], 0.1 * p[1] - 7., 1e6 + 1e-3 * p[2] };
+  });
+  const P4estTreeLattice lattice = latticeOf(forest);
+  EXPECT_EQ(lattice.planes()[0], (std::vector{ 0., 1., 4., 9., 16. }));
+  EXPECT_EQ(lattice.planes()[1], (std::vector{ -7., 0.1 - 7. }));
+  EXPECT_EQ(lattice.planes()[2], (std::vector{ 1e6, 1e6 + 1e-3, 1e6 + 2e-3 }));
+}
+
+TEST_F(P4estTreeLatticeTest, TreesLeftOut)
+{
+  const P4estTreeLattice lattice = latticeOf(
+    ForestWriter::separateTrees({ boxCorners({ 2, 0, 0 }, { 3, 1, 1 }), boxCorners({ 0, 0, 0 }, { 1, 1, 1 }),
+      boxCorners({ 2, 1, 0 }, { 3, 2, 1 }), boxCorners({ 7, 1, 0 }, { 8, 2, 1 }) }));
+  EXPECT_EQ(lattice.planes()[0], (std::vector{ 0., 1., 2., 3., 7., 8. }));
+  EXPECT_EQ(lattice.place(0), (std::array{ 2, 0, 0 }));
+  EXPECT_EQ(lattice.place(1), (std::array{ 0, 0, 0 }));
+  EXPECT_EQ(lattice.place(2), (std::array{ 2, 1, 0 }));
+  EXPECT_EQ(lattice.place(3), (std::array{ 4, 1, 0 }));
+}
+
+// Vertices computed tree by tree differ in their last bits; those of one plane must become one.
+TEST_F(P4estTreeLatticeTest, RoundedVertices)
+{
+  std::vector<ForestWriter::Corners> trees;
+  for (int i = 0; i < 10; ++i)
+  {
+    const double min = 1e3 + 0.1 * i;
+    trees.push_back(boxCorners({ min, 0., 0. }, { min + 0.1, 0.1, 0.1 }));
+  }
+  bool someDiffer = false;
+  for (int i = 0; i < 9; ++i)
+  {
+    someDiffer |= trees[i][7][0] != trees[i + 1][0][0];
+  }
+  ASSERT_TRUE(someDiffer); // else this tests nothing
+  const P4estTreeLattice lattice = latticeOf(ForestWriter::separateTrees(trees));
+  EXPECT_EQ(lattice.planes()[0].size(), 11u);
+  for (int i = 0; i < 10; ++i)
+  {
+    EXPECT_EQ(lattice.place(i), (std::array{ i, 0, 0 }));
+  }
+}
+
+// A difference of the finest quadrant's width is rounding, a larger one is a gap between the trees.
+TEST_F(P4estTreeLatticeTest, ToleranceAtItsBoundary)
+{
+  const double finest = std::ldexp(1., -P4estForestFile::maxLevel);
+  const auto twoTrees = [](double gap) {
+    return ForestWriter::separateTrees(
+      { boxCorners({ -1., 0., 0. }, { 0., 1., 1. }), boxCorners({ gap, 0., 0. }, { 1. + gap, 1., 1. }) });
+  };
+  EXPECT_EQ(latticeOf(twoTrees(0.75 * finest)).planes()[0].size(), 3u);
+  EXPECT_EQ(latticeOf(twoTrees(1.25 * finest)).planes()[0].size(), 4u);
+
+  auto corners = boxCorners({ 0., 0., 0. }, { 1., 1., 1. });
+  corners[5][1] = 0.75 * finest;
+  EXPECT_NO_THROW(latticeOf(ForestWriter::separateTrees({ corners })));
+  corners[5][1] = 1.25 * finest;
+  expectError(ForestWriter::separateTrees({ corners }), "tree 0: corner 5 at (1, ");
+}
+
+// How the trees are glued at the sides of the domain says nothing of where they are.
+TEST_F(P4estTreeLatticeTest, OtherConnectivities)
+{
+  for (const char* name : { "periodic", "rotwrap" })
+  {
+    EXPECT_EQ(
+      latticeOf(ForestWriter::named(name)).planes(), (Planes{ { { 0., 1. }, { 0., 1. }, { 0., 1. } } }));
+  }
+  EXPECT_EQ(latticeOf(ForestWriter::named("twocubes")).planes()[0], (std::vector{ 0., 1., 2. }));
+}
+
+TEST_F(P4estTreeLatticeTest, RotatedAndCurvedTrees)
+{
+  for (const char* name : { "rotcubes", "shell", "sphere", "twowrap" })
+  {
+    try
+    {
+      latticeOf(ForestWriter::named(name));
+      ADD_FAILURE() << name << " is no lattice";
+    }
+    catch (const Error& error)
+    {
+      EXPECT_NE(std::string(error.what()).find(": tree "), std::string::npos) << error.what();
+    }
+  }
+  auto forest = ForestWriter::brick({ 2, 1, 1 });
+  forest.moveVertices([](const Point& p) { return Point{ -p[0], p[1], p[2] }; });
+  expectError(forest, "tree 0: from -0 to -1 along x, allowed an axis-aligned box in identity orientation");
+}
+
+TEST_F(P4estTreeLatticeTest, TreesThatFitNoLattice)
+{
+  expectError(ForestWriter::withoutVertices(), "the connectivity has no vertices");
+
+  const auto unit = boxCorners({ 0., 0., 0. }, { 1., 1., 1. });
+  expectError(ForestWriter::separateTrees({ unit, boxCorners({ 1., 0., 0. }, { 2., 1., 1. }), unit }),
+    "tree 2: at the place of tree 0, allowed one of its own");
+  expectError(ForestWriter::separateTrees({ unit, boxCorners({ 1., 0., 0. }, { 3., 2., 1. }) }),
+    "tree 1: from 0 to 2 along y spans 2 cells of the lattice that all trees form, allowed 1");
+  expectError(ForestWriter::separateTrees({ unit, boxCorners({ .5, 0., 0. }, { 1.5, 1., 1. }) }),
+    "tree 0: from 0 to 1 along x spans 2 cells");
+  expectError(ForestWriter::separateTrees({ unit, boxCorners({ 1., 0., 0. }, { 2., 1., 0. }) }),
+    "tree 1: from 0 to 0 along z");
+
+  for (const double bad :
+    { std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300 })
+  {
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        auto corners = unit;
+        corners[corner][axis] = bad;
+        expectError(
+          ForestWriter::separateTrees({ boxCorners({ 1., 0., 0. }, { 2., 1., 1. }), corners }), ": tree ");
+      }
+    }
+  }
+}
+
+// Trees along the diagonal make a lattice of their number cubed; vtkHyperTreeGrid counts its places in 32
+// bits.
+TEST_F(P4estTreeLatticeTest, LatticeTooLargeForAGrid)
+{
+  std::vector<ForestWriter::Corners> trees;
+  for (int i = 0; i < 1626; ++i)
+  {
+    const double d = i;
+    trees.push_back(boxCorners({ d, d, d }, { d + 1., d + 1., d + 1. }));
+  }
+  expectError(
+    ForestWriter::separateTrees(trees), "a lattice of 1626 x 1626 x 1626 trees, allowed 4294967295 places");
+  trees.pop_back();
+  EXPECT_EQ(latticeOf(ForestWriter::separateTrees(trees)).place(1624), (std::array{ 1624, 1624, 1624 }));
+}
+
+} // namespace

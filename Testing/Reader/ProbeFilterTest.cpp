@@ -1,0 +1,305 @@
+// The probe filter against the core's samplers and fields with exact answers.
+#include "vtkTreeAMRProbeFilter.h"
+
+#include "HyperTreeGridConverter.h"
+#include "vtkTreeAMRExampleSource.h"
+
+#include "Interpolation/Sampler.h"
+#include "Support/HyperTreeGrids.h"
+
+#include "vtkCellData.h"
+#include "vtkCharArray.h"
+#include "vtkCommand.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
+#include "vtkFloatArray.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkImageData.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkUnsignedCharArray.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+vtkSmartPointer<vtkPolyData> randomPoints(const std::array<double, 6>& bounds, int count)
+{
+  std::mt19937 engine(7);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (int i = 0; i < count; ++i)
+  {
+    std::array<double, 3> p;
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * (engine() / 4294967296.);
+    }
+    points->InsertNextPoint(p.data());
+  }
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  return data;
+}
+
+bool isValid(vtkDataSet* output, vtkIdType point)
+{
+  return output->GetPointData()->GetArray("vtkValidPointMask")->GetTuple1(point) != 0.;
+}
+
+} // namespace
+
+TEST(ProbeFilter, EqualsTheSamplerForEachMethodAndComponent)
+{
+  const auto grid = makeGrid({ .roots = { 2, 2, 2 }, .missingTrees = 0.2, .masked = 0.1, .ghosts = 0.05 });
+  double bounds[6];
+  computeLocalBounds(grid, bounds);
+  const auto points =
+    randomPoints({ bounds[0] - 0.5, bounds[1] + 0.5, bounds[2], bounds[3], bounds[4], bounds[5] }, 2000);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(points);
+  probe->SetSourceData(grid);
+  probe->ComputeGradientsOn();
+  EXPECT_EQ(probe->GetSource(), grid);
+  EXPECT_EQ(probe->GetInterpolationMethod(), vtkTreeAMRProbeFilter::GTI);
+  for (int method = vtkTreeAMRProbeFilter::NEAREST; method <= vtkTreeAMRProbeFilter::GTI; ++method)
+  {
+    probe->SetInterpolationMethod(method);
+    probe->Update();
+    vtkDataSet* output = probe->GetOutput();
+    ASSERT_EQ(output->GetNumberOfPoints(), 2000);
+    EXPECT_EQ(output->GetPointData()->GetNumberOfArrays(), 7); // three arrays, their gradients, the mask
+    int inside = 0;
+    for (const std::string name : { "scalar", "vector", "count" })
+    {
+      vtkDataArray* values = output->GetPointData()->GetArray(name.c_str());
+      vtkDataArray* gradients = output->GetPointData()->GetArray((name + "_gradient").c_str());
+      ASSERT_NE(values, nullptr) << name;
+      ASSERT_NE(gradients, nullptr) << name;
+      const bool isDouble = name == "scalar";
+      EXPECT_EQ(values->GetDataType(), isDouble ? VTK_DOUBLE : VTK_FLOAT);
+      EXPECT_EQ(values->GetNumberOfComponents(), name == "vector" ? 3 : 1);
+      EXPECT_EQ(gradients->GetNumberOfComponents(), 3 * values->GetNumberOfComponents());
+      const auto rounded = [&](double x) { return isDouble ? x : static_cast<float>(x); };
+      for (int c = 0; c < values->GetNumberOfComponents(); ++c)
+      {
+        const auto sampler =
+          Sampler::create(static_cast<InterpolationMethod>(method), acquireField(grid, { name, c }, false));
+        for (vtkIdType i = 0; i < 2000; ++i)
+        {
+          std::array<double, 3> p;
+          points->GetPoint(i, p.data());
+          FieldSample expected;
+          ASSERT_EQ(sampler->sample(p, expected), isValid(output, i));
+          inside += isValid(output, i);
+          ASSERT_EQ(values->GetComponent(i, c), rounded(expected.value)) << name << " at point " << i;
+          for (int a = 0; a < 3; ++a)
+          {
+            ASSERT_EQ(gradients->GetComponent(i, 3 * c + a), rounded(expected.gradient[a])) << name;
+          }
+        }
+      }
+    }
+    EXPECT_GT(inside, 2000);
+    EXPECT_LT(inside, 9000);
+  }
+}
+
+TEST(ProbeFilter, ReproducesATrilinearField)
+{
+  vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToSynthetic();
+  const auto points = randomPoints({ 0., 4., 0., 4., 0., 4. }, 5000);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(points);
+  probe->SetSourceConnection(source->GetOutputPort());
+  probe->ComputeGradientsOn();
+  probe->SetInterpolationMethodToGTI();
+  probe->Update();
+  vtkPointData* output = probe->GetOutput()->GetPointData();
+  const double range = 64.;
+  int inner = 0;
+  for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
+  {
+    EXPECT_TRUE(isValid(probe->GetOutput(), i));
+    const double* p = points->GetPoint(i);
+    if (*std::min_element(p, p + 3) < 1. || *std::max_element(p, p + 3) > 3.)
+    {
+      continue; // a missing neighbour at the domain's edge may take part
+    }
+    ++inner;
+    EXPECT_NEAR(output->GetArray("xyz")->GetTuple1(i), p[0] * p[1] * p[2], 1e-5 * range);
+    const double* gradient = output->GetArray("xyz_gradient")->GetTuple3(i);
+    EXPECT_NEAR(gradient[0], p[1] * p[2], 1e-5 * range);
+    EXPECT_NEAR(gradient[1], p[0] * p[2], 1e-5 * range);
+    EXPECT_NEAR(gradient[2], p[0] * p[1], 1e-5 * range);
+  }
+  EXPECT_GT(inner, 300);
+}
+
+TEST(ProbeFilter, MarksPointsOutside)
+{
+  vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToSynthetic();
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(2., 2., 2.);
+  points->InsertNextPoint(0., 4., 4.); // a corner of the domain: cells are closed
+  points->InsertNextPoint(-1e-3, 2., 2.);
+  points->InsertNextPoint(2., 2., 4.01);
+  points->InsertNextPoint(std::nan(""), 2., 2.);
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(data);
+  probe->SetSourceConnection(source->GetOutputPort());
+  probe->SetValidPointMaskArrayName("inside");
+  probe->ComputeGradientsOn();
+  probe->Update();
+  vtkPointData* output = probe->GetOutput()->GetPointData();
+  auto* mask = vtkCharArray::SafeDownCast(output->GetArray("inside"));
+  ASSERT_NE(mask, nullptr);
+  const int expected[5] = { 1, 1, 0, 0, 0 };
+  for (int i = 0; i < 5; ++i)
+  {
+    EXPECT_EQ(mask->GetValue(i), expected[i]) << i;
+    if (!expected[i])
+    {
+      EXPECT_EQ(output->GetArray("xyz")->GetTuple1(i), 0.);
+      EXPECT_EQ(output->GetArray("xyz_gradient")->GetTuple3(i)[2], 0.);
+    }
+  }
+  EXPECT_NEAR(output->GetArray("xyz")->GetTuple1(0), 8., 1e-5);
+}
+
+TEST(ProbeFilter, ProbesImagesAndPassesArrays)
+{
+  vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToSynthetic();
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(5, 4, 3);
+  image->SetOrigin(0.5, 0.5, 0.5);
+  vtkNew<vtkIntArray> ids;
+  ids->SetName("ids");
+  ids->SetNumberOfValues(60);
+  vtkNew<vtkIntArray> taken;
+  taken->SetName("xyz");
+  taken->SetNumberOfValues(60);
+  vtkNew<vtkIntArray> cellIds;
+  cellIds->SetName("cell ids");
+  cellIds->SetNumberOfValues(24);
+  image->GetPointData()->SetScalars(ids);
+  image->GetPointData()->AddArray(taken);
+  image->GetCellData()->AddArray(cellIds);
+  vtkNew<vtkStringArray> note;
+  note->SetName("note");
+  image->GetFieldData()->AddArray(note);
+
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(image);
+  probe->SetSourceConnection(source->GetOutputPort());
+  probe->Update();
+  auto* output = vtkImageData::SafeDownCast(probe->GetOutput());
+  ASSERT_NE(output, nullptr);
+  EXPECT_EQ(output->GetNumberOfPoints(), 60);
+  EXPECT_EQ(output->GetPointData()->GetNumberOfArrays(), 2);
+  EXPECT_EQ(output->GetCellData()->GetNumberOfArrays(), 0);
+  EXPECT_TRUE(output->GetFieldData()->HasArray("note"));
+
+  probe->PassPointArraysOn();
+  probe->PassCellArraysOn();
+  probe->PassFieldArraysOff();
+  probe->Update();
+  EXPECT_EQ(output->GetPointData()->GetArray("ids"), ids);
+  EXPECT_EQ(output->GetPointData()->GetScalars(), ids);
+  EXPECT_EQ(output->GetPointData()->GetArray("xyz")->GetDataType(), VTK_DOUBLE);
+  EXPECT_TRUE(output->GetCellData()->HasArray("cell ids"));
+  EXPECT_FALSE(output->GetFieldData()->HasArray("note"));
+}
+
+TEST(ProbeFilter, TakesNoPoints)
+{
+  vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToSynthetic();
+  vtkNew<vtkPolyData> none;
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(none);
+  probe->SetSourceConnection(source->GetOutputPort());
+  probe->Update();
+  ASSERT_NE(probe->GetOutput()->GetPointData()->GetArray("xyz"), nullptr);
+  EXPECT_EQ(probe->GetOutput()->GetPointData()->GetArray("xyz")->GetNumberOfTuples(), 0);
+}
+
+TEST(ProbeFilter, GivesNaNWhereOneArrayAloneHasNoValue)
+{
+  const auto grid = makeUniformlyRefinedGrid(1);
+  auto* scalar = vtkDoubleArray::SafeDownCast(grid->GetCellData()->GetArray("scalar"));
+  vtkNew<vtkFloatArray> other;
+  other->SetName("other");
+  other->SetNumberOfValues(9);
+  other->FillValue(3.f);
+  grid->GetCellData()->AddArray(other);
+  scalar->SetValue(1, std::nan("")); // the cell at the origin
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(0.25, 0.25, 0.25);
+  points->InsertNextPoint(0.75, 0.25, 0.25);
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(data);
+  probe->SetSourceData(grid);
+  probe->Update();
+  vtkPointData* output = probe->GetOutput()->GetPointData();
+  EXPECT_TRUE(isValid(probe->GetOutput(), 0));
+  EXPECT_TRUE(std::isnan(output->GetArray("scalar")->GetTuple1(0)));
+  EXPECT_EQ(output->GetArray("other")->GetTuple1(0), 3.);
+  EXPECT_EQ(output->GetArray("scalar")->GetTuple1(1), 3.);
+}
+
+TEST(ProbeFilter, LeavesOutSingleArraysWithAWarning)
+{
+  const auto grid = makeGrid({ .notFinite = 1. });
+  const auto points = randomPoints({ -1., 0., 0., 1., 1., 2. }, 10);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(points);
+  probe->SetSourceData(grid);
+  const MessageCatcher warnings(probe, vtkCommand::WarningEvent);
+  probe->Update();
+  ASSERT_EQ(warnings.messages().size(), 1u);
+  EXPECT_NE(warnings.messages()[0].find("finite value in array 'scalar'"), std::string::npos);
+  EXPECT_FALSE(probe->GetOutput()->GetPointData()->HasArray("scalar"));
+  EXPECT_TRUE(probe->GetOutput()->GetPointData()->HasArray("vector"));
+}
+
+TEST(ProbeFilter, ReportsGridsThatCannotBeProbed)
+{
+  const auto points = randomPoints({ 0., 1., 0., 1., 0., 1. }, 10);
+  const auto expectError = [&](vtkHyperTreeGrid* grid, const std::string& part) {
+    vtkNew<vtkTreeAMRProbeFilter> probe;
+    probe->SetInputData(points);
+    probe->SetSourceData(grid);
+    const MessageCatcher errors(probe, vtkCommand::ErrorEvent);
+    const MessageCatcher pipeline(probe->GetExecutive(), vtkCommand::ErrorEvent);
+    probe->Update();
+    ASSERT_EQ(errors.messages().size(), 1u) << part;
+    EXPECT_NE(errors.messages()[0].find(part), std::string::npos) << errors.messages()[0];
+    EXPECT_EQ(probe->GetOutput()->GetNumberOfPoints(), 0);
+  };
+  vtkNew<vtkHyperTreeGrid> empty;
+  expectError(empty, "no numeric cell array");
+  const auto interfaces = makeGrid({});
+  interfaces->SetHasInterface(true);
+  expectError(interfaces, "material interfaces");
+  expectError(makeGrid({ .missingTrees = 1. }), "holds no tree");
+}

@@ -1,0 +1,270 @@
+// What a mapper cannot draw: one message, an untouched image, no crash, and the next good input is drawn.
+#include "RenderingScene.h"
+
+#include "vtkCellData.h"
+#include "vtkPlane.h"
+
+#include <functional>
+#include <limits>
+
+using namespace treeamr::test;
+
+namespace
+{
+
+vtkSmartPointer<vtkHyperTreeGrid> emptyGrid()
+{
+  GridOptions options;
+  options.trees = false;
+  return makeGrid(options, { { "x", [](const Point&) { return 0.; } } });
+}
+
+vtkSmartPointer<vtkHyperTreeGrid> gridWithoutValues()
+{
+  return makeGrid({}, { { "x", [](const Point&) { return std::numeric_limits<double>::quiet_NaN(); } } });
+}
+
+/// Scenes with one prop of ours in front of a polygon.
+class MapperErrorsTest : public RenderingTest
+{
+protected:
+  MapperErrorsTest()
+  {
+    scene_.addRectangle({ 0., 0., -2. }, { 1., 0., 0. }, { 0., 1., 0. }, { 0.2, 0.5, 0.8 });
+    scene_.setCamera();
+    // The same with and without our prop's bounds.
+    scene_.renderer->GetActiveCamera()->SetClippingRange(0.1, 30.);
+    withoutProp_ = scene_.render();
+    grid_ = makeTestGrid();
+    volume_ = scene_.addVolume(grid_, "x", { 1., 1., 1. }, 0.5);
+    volumeMapper_ = Scene::mapperOf(volume_);
+    volume_->VisibilityOff();
+    surface_ = scene_.addIsosurface(grid_, "x", 0.3);
+    surfaceMapper_ = Scene::mapperOf(surface_);
+    surface_->VisibilityOff();
+  }
+
+  /// Spoils something, and expects one message with all of `parts` and an unchanged image; repairs it, and
+  /// expects the prop.
+  void expectError(vtkProp* prop, vtkObject* mapper, const std::vector<std::string>& parts,
+    const std::function<void()>& spoil, const std::function<void()>& repair)
+  {
+    prop->VisibilityOn();
+    MessageCounter messages(mapper);
+    spoil();
+    EXPECT_EQ(scene_.render(), withoutProp_);
+    ASSERT_EQ(messages.errors.size(), 1u);
+    for (const std::string& part : parts)
+    {
+      EXPECT_NE(messages.errors[0].find(part), std::string::npos)
+        << "'" << part << "' is not in: " << messages.errors[0];
+    }
+    EXPECT_EQ(scene_.render(), withoutProp_);
+    EXPECT_EQ(messages.errors.size(), 1u) << "repeated at the second frame";
+    repair();
+    EXPECT_NE(scene_.render(), withoutProp_);
+    EXPECT_EQ(messages.errors.size(), 1u);
+    spoil();
+    EXPECT_EQ(scene_.render(), withoutProp_);
+    EXPECT_EQ(messages.errors.size(), 2u) << "the same again is news after a success";
+    EXPECT_TRUE(messages.warnings.empty());
+    mapper->RemoveAllObservers();
+    prop->VisibilityOff();
+  }
+  void expectVolumeError(const std::vector<std::string>& parts, const std::function<void()>& spoil,
+    const std::function<void()>& repair)
+  {
+    expectError(volume_, volumeMapper_, parts, spoil, repair);
+  }
+  void expectSurfaceError(const std::vector<std::string>& parts, const std::function<void()>& spoil,
+    const std::function<void()>& repair)
+  {
+    expectError(surface_, surfaceMapper_, parts, spoil, repair);
+  }
+  /// Expects one message of two calls of render().
+  static void expectDirectError(vtkObject* mapper, const std::vector<std::string>& parts,
+    const std::function<void()>& spoil, const std::function<void()>& render)
+  {
+    MessageCounter messages(mapper);
+    spoil();
+    render();
+    render();
+    ASSERT_EQ(messages.errors.size(), 1u);
+    for (const std::string& part : parts)
+    {
+      EXPECT_NE(messages.errors[0].find(part), std::string::npos) << messages.errors[0];
+    }
+    mapper->RemoveAllObservers();
+  }
+  void expectBadInput(const std::vector<std::string>& parts, vtkHyperTreeGrid* bad)
+  {
+    expectVolumeError(parts, [&] { volumeMapper_->SetInputData(bad); },
+      [&] { volumeMapper_->SetInputData(grid_.Get()); });
+    expectSurfaceError(parts, [&] { surfaceMapper_->SetInputData(bad); },
+      [&] { surfaceMapper_->SetInputData(grid_.Get()); });
+  }
+
+  Scene scene_;
+  std::vector<std::array<float, 4>> withoutProp_;
+  vtkSmartPointer<vtkHyperTreeGrid> grid_;
+  vtkVolume* volume_;
+  vtkTreeAMRVolumeMapper* volumeMapper_;
+  vtkActor* surface_;
+  vtkTreeAMRIsosurfaceMapper* surfaceMapper_;
+};
+
+} // namespace
+
+TEST_F(MapperErrorsTest, emptyGrid)
+{
+  expectVolumeError({ "no tree" }, [&] { volumeMapper_->SetInputData(emptyGrid()); },
+    [&] { volumeMapper_->SetInputData(grid_.Get()); });
+  // Without bounds an actor is not asked to draw.
+  expectDirectError(surfaceMapper_, { "no tree" }, [&] { surfaceMapper_->SetInputData(emptyGrid()); },
+    [&] { surfaceMapper_->Render(scene_.renderer, surface_); });
+}
+
+TEST_F(MapperErrorsTest, noInput)
+{
+  // Nor a volume without input.
+  expectDirectError(volumeMapper_, { "no input" }, [&] { volumeMapper_->SetInputConnection(nullptr); },
+    [&] { volumeMapper_->Render(scene_.renderer, volume_); });
+  expectDirectError(surfaceMapper_, { "no input" }, [&] { surfaceMapper_->SetInputConnection(nullptr); },
+    [&] { surfaceMapper_->Render(scene_.renderer, surface_); });
+}
+
+TEST_F(MapperErrorsTest, noWindow)
+{
+  vtkNew<vtkRenderer> renderer;
+  const std::string needed = "no window, needed is a vtkOpenGLRenderWindow";
+  expectDirectError(volumeMapper_, { needed }, [] {}, [&] { volumeMapper_->Render(renderer, volume_); });
+  expectDirectError(surfaceMapper_, { needed }, [] {}, [&] { surfaceMapper_->Render(renderer, surface_); });
+}
+
+TEST_F(MapperErrorsTest, allValuesNotANumber)
+{
+  expectBadInput({ "'x'", "finite" }, gridWithoutValues());
+}
+
+TEST_F(MapperErrorsTest, branchFactorThree)
+{
+  GridOptions options;
+  options.branchFactor = 3;
+  expectBadInput({ "branch factor", "3" }, makeGrid(options, { { "x", [](const Point& p) { return p[0]; } } }));
+}
+
+TEST_F(MapperErrorsTest, missingArray)
+{
+  const std::vector<std::string> parts{ "'nothing'" };
+  expectVolumeError(parts, [&] { volumeMapper_->SelectScalarArray("nothing"); },
+    [&] { volumeMapper_->SelectScalarArray("x"); });
+  const auto contour = [&](const char* name) {
+    surfaceMapper_->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name);
+  };
+  expectSurfaceError(parts, [&] { contour("nothing"); }, [&] { contour("x"); });
+}
+
+TEST_F(MapperErrorsTest, missingArrayNumber)
+{
+  expectVolumeError({ "number 17", "'one', 'x', 'y', 'z'" }, [&] { volumeMapper_->SelectScalarArray(17); },
+    [&] { volumeMapper_->SelectScalarArray(1); });
+}
+
+TEST_F(MapperErrorsTest, missingComponent)
+{
+  volumeMapper_->SetVectorMode(vtkTreeAMRVolumeMapper::COMPONENT);
+  expectVolumeError({ "component 3" }, [&] { volumeMapper_->SetVectorComponent(3); },
+    [&] { volumeMapper_->SetVectorComponent(0); });
+  expectSurfaceError({ "component 3" }, [&] { surfaceMapper_->SetIsosurfaceComponent(3); },
+    [&] { surfaceMapper_->SetIsosurfaceComponent(-1); });
+}
+
+TEST_F(MapperErrorsTest, pointData)
+{
+  expectVolumeError({ "point" }, [&] { volumeMapper_->SetScalarModeToUsePointFieldData(); },
+    [&] { volumeMapper_->SetScalarModeToUseCellFieldData(); });
+}
+
+TEST_F(MapperErrorsTest, blendModes)
+{
+  for (int mode = 1; mode <= 6; ++mode)
+  {
+    expectVolumeError({ "blend mode " + std::to_string(mode), "0 (composite)" },
+      [&] { volumeMapper_->SetBlendMode(mode); }, [&] { volumeMapper_->SetBlendModeToComposite(); });
+  }
+}
+
+TEST_F(MapperErrorsTest, samplesPerCell)
+{
+  for (const double samples : { 0., -1., std::numeric_limits<double>::quiet_NaN() })
+  {
+    // NaN never equals itself: every set is a change.
+    double set = 1.;
+    expectVolumeError({ "samples per cell" },
+      [&] {
+        if (set != samples)
+        {
+          set = samples;
+          volumeMapper_->SetSamplesPerCell(samples);
+        }
+      },
+      [&] { volumeMapper_->SetSamplesPerCell(set = 2.); });
+  }
+}
+
+TEST_F(MapperErrorsTest, unitDistance)
+{
+  expectVolumeError({ "unit distance" }, [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(0.); },
+    [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(1.); });
+}
+
+TEST_F(MapperErrorsTest, isovalueNotFinite)
+{
+  expectSurfaceError({ "isovalue" },
+    [&] { surfaceMapper_->SetIsovalue(std::numeric_limits<double>::infinity()); },
+    [&] { surfaceMapper_->SetIsovalue(0.3); });
+}
+
+TEST_F(MapperErrorsTest, singularMatrix)
+{
+  expectVolumeError({ "singular" }, [&] { volume_->SetScale(1., 0., 1.); }, [&] { volume_->SetScale(1.); });
+  expectSurfaceError({ "singular" }, [&] { surface_->SetScale(1., 0., 1.); }, [&] { surface_->SetScale(1.); });
+}
+
+TEST_F(MapperErrorsTest, missingColorArrayWarnsAndLeavesTheSolidColor)
+{
+  surface_->VisibilityOn();
+  const auto solid = scene_.render();
+  MessageCounter messages(surfaceMapper_);
+  surfaceMapper_->ScalarVisibilityOn();
+  surfaceMapper_->SetScalarModeToUseCellFieldData();
+  surfaceMapper_->SelectColorArray("nothing");
+  EXPECT_EQ(scene_.render(), solid);
+  EXPECT_EQ(scene_.render(), solid);
+  EXPECT_TRUE(messages.errors.empty());
+  ASSERT_EQ(messages.warnings.size(), 1u);
+  EXPECT_NE(messages.warnings[0].find("'nothing'"), std::string::npos);
+  surfaceMapper_->RemoveAllObservers();
+}
+
+TEST_F(MapperErrorsTest, clippingAndCroppingWarn)
+{
+  vtkNew<vtkPlane> plane;
+  MessageCounter volumeMessages(volumeMapper_);
+  MessageCounter surfaceMessages(surfaceMapper_);
+  volume_->VisibilityOn();
+  surface_->VisibilityOn();
+  const auto unclipped = scene_.render();
+  volumeMapper_->AddClippingPlane(plane);
+  surfaceMapper_->AddClippingPlane(plane);
+  EXPECT_EQ(scene_.render(), unclipped);
+  EXPECT_EQ(scene_.render(), unclipped);
+  EXPECT_EQ(volumeMessages.warnings.size(), 1u);
+  EXPECT_EQ(surfaceMessages.warnings.size(), 1u);
+  volumeMapper_->RemoveAllClippingPlanes();
+  volumeMapper_->CroppingOn();
+  EXPECT_EQ(scene_.render(), unclipped);
+  EXPECT_EQ(volumeMessages.warnings.size(), 2u);
+  volumeMapper_->RemoveAllObservers();
+  surfaceMapper_->RemoveAllObservers();
+}

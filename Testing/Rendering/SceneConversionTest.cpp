@@ -1,0 +1,211 @@
+// The table made of a vtkVolumeProperty against VTK's functions themselves. No window.
+#include "SceneConversion.h"
+
+#include "Error.h"
+
+#include "vtkColorTransferFunction.h"
+#include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkVolumeProperty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+using namespace treeamr;
+
+namespace
+{
+
+/// A property with three opacity nodes and two colour nodes.
+class TransferFunctionTest : public ::testing::Test
+{
+protected:
+  TransferFunctionTest()
+  {
+    opacity->AddPoint(1., 0.1);
+    opacity->AddPoint(2., 0.9);
+    opacity->AddPoint(4., 0.3);
+    color->AddRGBPoint(0., 1., 0., 0.2);
+    color->AddRGBPoint(3., 0., 0.8, 1.);
+    property->SetScalarOpacity(opacity);
+    property->SetColor(color);
+    property->SetScalarOpacityUnitDistance(0.5);
+  }
+
+  void expectEntry(const TransferFunction& table, double value, double tolerance)
+  {
+    const TransferFunction::Entry entry = table.at(static_cast<float>(value));
+    double rgb[3];
+    if (property->GetColorChannels(0) == 1)
+    {
+      rgb[0] = rgb[1] = rgb[2] = property->GetGrayTransferFunction(0)->GetValue(value);
+    }
+    else
+    {
+      property->GetRGBTransferFunction(0)->GetColor(value, rgb);
+    }
+    EXPECT_NEAR(entry.r, rgb[0], tolerance) << value;
+    EXPECT_NEAR(entry.g, rgb[1], tolerance) << value;
+    EXPECT_NEAR(entry.b, rgb[2], tolerance) << value;
+    const double alpha = property->GetScalarOpacity(0)->GetValue(value);
+    EXPECT_NEAR(entry.extinction, -std::log1p(-alpha) / property->GetScalarOpacityUnitDistance(0), 10. * tolerance)
+      << value;
+  }
+
+  void expectEverywhere(Range data, double tolerance)
+  {
+    const TransferFunction table = convertTransferFunction(property, data);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> values(data.min, data.max);
+    for (int i = 0; i < 500; ++i)
+    {
+      expectEntry(table, values(random), tolerance);
+    }
+    expectEntry(table, data.min, tolerance);
+    expectEntry(table, data.max, tolerance);
+  }
+
+  vtkNew<vtkVolumeProperty> property;
+  vtkNew<vtkPiecewiseFunction> opacity;
+  vtkNew<vtkColorTransferFunction> color;
+};
+
+/// A table of 4096 entries over ranges of about 4, slopes of about 1.
+constexpr double resolution = 1e-3;
+
+} // namespace
+
+TEST_F(TransferFunctionTest, dataWithinTheFunctions)
+{
+  expectEverywhere({ 0.5f, 3.5f }, resolution);
+}
+
+TEST_F(TransferFunctionTest, dataBeyondTheFunctions)
+{
+  expectEverywhere({ -20.f, 50.f }, resolution);
+}
+
+TEST_F(TransferFunctionTest, gray)
+{
+  vtkNew<vtkPiecewiseFunction> gray;
+  gray->AddPoint(0., 0.2);
+  gray->AddPoint(3., 0.7);
+  property->SetColor(gray);
+  ASSERT_EQ(property->GetColorChannels(0), 1);
+  expectEverywhere({ -1.f, 5.f }, resolution);
+}
+
+TEST_F(TransferFunctionTest, defaultFunctions)
+{
+  vtkNew<vtkVolumeProperty> untouched;
+  const TransferFunction table = convertTransferFunction(untouched, { 0.f, 1.f });
+  EXPECT_GT(table.at(0.5f).extinction, 1.f);
+}
+
+// Entries are spent where the data are: a small part of wide functions.
+TEST_F(TransferFunctionTest, smallDataRange)
+{
+  opacity->AddPoint(1e6, 0.5);
+  color->AddRGBPoint(1e6, 0.5, 0.5, 0.5);
+  expectEverywhere({ 1.9f, 2.1f }, resolution);
+}
+
+// And functions at a small part of wide data.
+TEST_F(TransferFunctionTest, largeDataRange)
+{
+  const TransferFunction table = convertTransferFunction(property, { -1e6f, 1e6f });
+  for (const double value : { -5., 0.3, 1.2, 2., 2.6, 3.9, 17. })
+  {
+    expectEntry(table, value, resolution);
+  }
+}
+
+TEST_F(TransferFunctionTest, valuesOfOneKind)
+{
+  expectEverywhere({ 2.5f, 2.5f }, 1e-6);
+  expectEverywhere({ 70.f, 70.f }, 1e-6);
+  expectEverywhere({ -3.f, -3.f }, 1e-6);
+}
+
+TEST_F(TransferFunctionTest, dataApartFromTheFunctions)
+{
+  expectEverywhere({ 5.f, 9.f }, 1e-6);
+  expectEverywhere({ 4.f, 9.f }, 1e-6);
+  expectEverywhere({ -9.f, -2.f }, 1e-6);
+}
+
+TEST_F(TransferFunctionTest, nothingOutsideWithoutClamping)
+{
+  opacity->ClampingOff();
+  color->RemoveAllPoints();
+  color->AddRGBPoint(2., 1., 1., 1.);
+  for (const Range data : { Range{ -10.f, 10.f }, Range{ 0.f, 4.5f }, Range{ 1.f, 4.f } })
+  {
+    const TransferFunction table = convertTransferFunction(property, data);
+    EXPECT_EQ(table.at(0.98f).extinction, 0.f);
+    EXPECT_EQ(table.at(4.02f).extinction, 0.f);
+    EXPECT_FALSE(table.isVisible({ -10.f, 0.98f }));
+    expectEntry(table, 1.01, resolution);
+    expectEntry(table, 3.99, resolution);
+    // On the last nodes themselves: within a rounding of the jump's foot.
+    EXPECT_NEAR(table.at(1.f).extinction, -std::log1p(-0.1) / 0.5, 2e-3);
+    EXPECT_NEAR(table.at(4.f).extinction, -std::log1p(-0.3) / 0.5, 2e-3);
+  }
+  EXPECT_EQ(convertTransferFunction(property, { 5.f, 9.f }).at(6.f).extinction, 0.f);
+  EXPECT_EQ(convertTransferFunction(property, { 4.f, 9.f }).at(6.f).extinction, 0.f);
+  EXPECT_EQ(convertTransferFunction(property, { -5.f, 0.f }).at(-1.f).extinction, 0.f);
+}
+
+TEST_F(TransferFunctionTest, colorsForValuesOutOfRange)
+{
+  opacity->RemoveAllPoints();
+  opacity->AddPoint(2., 0.5);
+  color->SetUseBelowRangeColor(true);
+  color->SetBelowRangeColor(0., 1., 0.);
+  color->SetUseAboveRangeColor(true);
+  color->SetAboveRangeColor(1., 1., 0.);
+  const TransferFunction table = convertTransferFunction(property, { -10.f, 10.f });
+  for (const double value : { -9., -0.02, 0.02, 1.7, 2.98, 3.02, 9. })
+  {
+    expectEntry(table, value, resolution);
+  }
+}
+
+TEST_F(TransferFunctionTest, logarithmicColors)
+{
+  color->RemoveAllPoints();
+  color->AddRGBPoint(0.1, 1., 0., 0.2);
+  color->AddRGBPoint(3., 0., 0.8, 1.);
+  color->SetScaleToLog10();
+  expectEverywhere({ 0.5f, 3.5f }, resolution);
+}
+
+TEST_F(TransferFunctionTest, fewNodes)
+{
+  opacity->RemoveAllPoints();
+  color->RemoveAllPoints();
+  EXPECT_EQ(convertTransferFunction(property, { 0.f, 1.f }).at(0.5f).extinction, 0.f);
+  opacity->AddPoint(0.5, 0.7);
+  color->AddRGBPoint(0.5, 0.1, 0.2, 0.3);
+  expectEverywhere({ 0.f, 1.f }, 1e-6);
+}
+
+TEST_F(TransferFunctionTest, opaque)
+{
+  opacity->AddPoint(2., 1.);
+  opacity->AddPoint(2.1, 1.);
+  const TransferFunction table = convertTransferFunction(property, { 0.f, 5.f });
+  EXPECT_GT(table.at(2.05f).extinction, 1e3f);
+  EXPECT_TRUE(std::isfinite(table.at(2.05f).extinction));
+}
+
+TEST_F(TransferFunctionTest, unitDistance)
+{
+  for (const double distance : { 0., -1., static_cast<double>(INFINITY), static_cast<double>(NAN) })
+  {
+    property->SetScalarOpacityUnitDistance(distance);
+    EXPECT_THROW(convertTransferFunction(property, { 0.f, 1.f }), Error) << distance;
+  }
+}

@@ -1,0 +1,269 @@
+// libp4est keeps callbacks as plain functions with a user pointer, which here leads to a std::function.
+#include "Support/ForestWriter.h"
+
+#include <p4est.h>
+#include <p8est.h>
+#include <p8est_extended.h>
+
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
+namespace treeamr::test
+{
+namespace
+{
+
+/// libp4est asks for MPI even when there is but one process. Ends with the program.
+class Session
+{
+public:
+  static void ensure() { static const Session session; }
+
+private:
+  Session()
+  {
+    int initialized = 0;
+    MPI_Initialized(&initialized);
+    if (!initialized)
+    {
+#ifdef __SANITIZE_ADDRESS__
+      const __lsan::ScopedDisabler mpiForgets; // some of its memory
+#endif
+      MPI_Init(nullptr, nullptr);
+      ownsMpi_ = true;
+    }
+    sc_init(MPI_COMM_SELF, 0, 0, nullptr, SC_LP_ERROR);
+    p4est_init(nullptr, SC_LP_ERROR);
+  }
+  ~Session()
+  {
+#ifdef __SANITIZE_ADDRESS__
+    __lsan_do_leak_check(); // the last: what MPI forgets when it ends does not count
+#endif
+    sc_finalize();
+    if (ownsMpi_)
+    {
+      MPI_Finalize();
+    }
+  }
+  bool ownsMpi_ = false;
+};
+
+ForestQuadrant describe(int tree, const p8est_quadrant_t& quadrant)
+{
+  const int shift = P8EST_MAXLEVEL - quadrant.level;
+  const auto index = [&](p4est_qcoord_t x) { return static_cast<std::uint32_t>(x >> shift); };
+  return { tree, { index(quadrant.x), index(quadrant.y), index(quadrant.z) }, quadrant.level, {} };
+}
+
+using RefineCallback = std::function<bool(const ForestQuadrant&)>;
+using FillCallback = std::function<void(const ForestQuadrant&, std::byte*)>;
+
+int callRefine(p8est_t* forest, p4est_topidx_t tree, p8est_quadrant_t* quadrant)
+{
+  return (*static_cast<const RefineCallback*>(forest->user_pointer))(describe(tree, *quadrant));
+}
+
+void callFill(p8est_t* forest, p4est_topidx_t tree, p8est_quadrant_t* quadrant)
+{
+  (*static_cast<const FillCallback*>(forest->user_pointer))(
+    describe(tree, *quadrant), static_cast<std::byte*>(quadrant->p.user_data));
+}
+
+} // namespace
+
+struct ForestWriter::Impl
+{
+  explicit Impl(p8est_connectivity_t* c)
+    : connectivity(c)
+  {
+    if (!connectivity)
+    {
+      throw std::runtime_error("libp4est knows no such connectivity");
+    }
+    forest = p8est_new(MPI_COMM_SELF, connectivity, 0, nullptr, nullptr);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl()
+  {
+    p8est_destroy(forest);
+    p8est_connectivity_destroy(connectivity);
+  }
+  p8est_connectivity_t* connectivity;
+  p8est_t* forest;
+};
+
+const int ForestWriter::maxLevel = P8EST_QMAXLEVEL;
+
+ForestWriter::ForestWriter(std::shared_ptr<Impl> impl)
+  : impl_(std::move(impl))
+{
+}
+
+ForestWriter ForestWriter::unitCube()
+{
+  Session::ensure();
+  return ForestWriter(std::make_shared<Impl>(p8est_connectivity_new_unitcube()));
+}
+
+ForestWriter ForestWriter::brick(std::array<int, 3> trees, std::array<bool, 3> periodic)
+{
+  Session::ensure();
+  return ForestWriter(std::make_shared<Impl>(
+    p8est_connectivity_new_brick(trees[0], trees[1], trees[2], periodic[0], periodic[1], periodic[2])));
+}
+
+ForestWriter ForestWriter::named(const std::string& name)
+{
+  Session::ensure();
+  return ForestWriter(std::make_shared<Impl>(p8est_connectivity_new_byname(name.c_str())));
+}
+
+ForestWriter ForestWriter::separateTrees(const std::vector<Corners>& trees)
+{
+  Session::ensure();
+  const auto count = static_cast<p4est_topidx_t>(trees.size());
+  p8est_connectivity_t* connectivity = p8est_connectivity_new(8 * count, count, 0, 0, 0, 0);
+  for (p4est_topidx_t tree = 0; tree < count; ++tree)
+  {
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      connectivity->tree_to_vertex[8 * tree + corner] = 8 * tree + corner;
+      std::memcpy(
+        connectivity->vertices + 3 * (8 * tree + corner), trees[tree][corner].data(), sizeof(Point));
+    }
+    for (int face = 0; face < 6; ++face) // itself: no neighbour
+    {
+      connectivity->tree_to_tree[6 * tree + face] = tree;
+      connectivity->tree_to_face[6 * tree + face] = static_cast<std::int8_t>(face);
+    }
+  }
+  return ForestWriter(std::make_shared<Impl>(connectivity));
+}
+
+ForestWriter ForestWriter::withoutVertices()
+{
+  Session::ensure();
+  p8est_connectivity_t* connectivity = p8est_connectivity_new(0, 1, 0, 0, 0, 0);
+  for (int face = 0; face < 6; ++face)
+  {
+    connectivity->tree_to_tree[face] = 0;
+    connectivity->tree_to_face[face] = static_cast<std::int8_t>(face);
+  }
+  return ForestWriter(std::make_shared<Impl>(connectivity));
+}
+
+void ForestWriter::moveVertices(const std::function<Point(const Point&)>& move)
+{
+  for (p4est_topidx_t vertex = 0; vertex < impl_->connectivity->num_vertices; ++vertex)
+  {
+    double* const v = impl_->connectivity->vertices + 3 * vertex;
+    const Point moved = move({ v[0], v[1], v[2] });
+    std::memcpy(v, moved.data(), sizeof(moved));
+  }
+}
+
+void ForestWriter::setTreeAttributes(std::size_t bytesPerTree)
+{
+  p8est_connectivity_set_attr(impl_->connectivity, bytesPerTree);
+  std::memset(impl_->connectivity->tree_to_attr, 0x5a,
+    bytesPerTree * static_cast<std::size_t>(impl_->connectivity->num_trees));
+}
+
+void ForestWriter::refine(const RefineCallback& shouldRefine)
+{
+  impl_->forest->user_pointer = const_cast<RefineCallback*>(&shouldRefine);
+  p8est_refine(impl_->forest, 1, callRefine, nullptr);
+  impl_->forest->user_pointer = nullptr;
+}
+
+void ForestWriter::balance(Balance balance)
+{
+  const p8est_connect_type_t types[] = { P8EST_CONNECT_FACE, P8EST_CONNECT_EDGE, P8EST_CONNECT_FULL };
+  p8est_balance(impl_->forest, types[static_cast<int>(balance)], nullptr);
+}
+
+void ForestWriter::setPayload(std::size_t bytes, const FillCallback& fill)
+{
+  p8est_reset_data(impl_->forest, bytes, callFill, const_cast<FillCallback*>(&fill));
+  impl_->forest->user_pointer = nullptr;
+}
+
+std::vector<ForestQuadrant> ForestWriter::quadrants() const
+{
+  std::vector<ForestQuadrant> all;
+  all.reserve(static_cast<std::size_t>(quadrantCount()));
+  const p8est_t& forest = *impl_->forest;
+  for (p4est_topidx_t t = forest.first_local_tree; t <= forest.last_local_tree; ++t)
+  {
+    sc_array_t& quadrants = p8est_tree_array_index(forest.trees, t)->quadrants;
+    for (std::size_t i = 0; i < quadrants.elem_count; ++i)
+    {
+      const p8est_quadrant_t& quadrant = *p8est_quadrant_array_index(&quadrants, i);
+      all.push_back(describe(t, quadrant));
+      if (forest.data_size > 0)
+      {
+        const auto* const data = static_cast<const std::byte*>(quadrant.p.user_data);
+        all.back().payload.assign(data, data + forest.data_size);
+      }
+    }
+  }
+  return all;
+}
+
+std::int64_t ForestWriter::quadrantCount() const
+{
+  return impl_->forest->global_num_quadrants;
+}
+
+std::array<ForestWriter::Point, 2> ForestWriter::bounds(const ForestQuadrant& quadrant) const
+{
+  std::array<Point, 2> corners;
+  for (std::uint32_t i = 0; i < 2; ++i)
+  {
+    std::array<p4est_qcoord_t, 3> at;
+    for (int a = 0; a < 3; ++a)
+    {
+      at[a] = static_cast<p4est_qcoord_t>((quadrant.index[a] + i) << (P8EST_MAXLEVEL - quadrant.level));
+    }
+    p8est_qcoord_to_vertex(impl_->connectivity, quadrant.tree, at[0], at[1], at[2], corners[i].data());
+  }
+  return corners;
+}
+
+void ForestWriter::save(const std::string& path, bool withPayload) const
+{
+  if (!std::ofstream(path, std::ios::binary)) // libp4est would end the process
+  {
+    throw std::runtime_error(path + " cannot be written");
+  }
+  p8est_save(path.c_str(), impl_->forest, withPayload);
+}
+
+void ForestWriter::saveConnectivity(const std::string& path) const
+{
+  if (p8est_connectivity_save(path.c_str(), impl_->connectivity) != 0)
+  {
+    throw std::runtime_error(path + " cannot be written");
+  }
+}
+
+void savePlanarForest(const std::string& path)
+{
+  Session::ensure();
+  p4est_connectivity_t* connectivity = p4est_connectivity_new_unitsquare();
+  p4est_t* forest = p4est_new(MPI_COMM_SELF, connectivity, 0, nullptr, nullptr);
+  p4est_refine(
+    forest, 0, [](p4est_t*, p4est_topidx_t, p4est_quadrant_t*) { return 1; }, nullptr);
+  p4est_save(path.c_str(), forest, 0);
+  p4est_destroy(forest);
+  p4est_connectivity_destroy(connectivity);
+}
+
+} // namespace treeamr::test
