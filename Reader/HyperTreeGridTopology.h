@@ -18,9 +18,13 @@
 #include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_for_each.h>
 
+#include <atomic>
 #include <limits>
+#include <vector>
 
 namespace treeamr
 {
@@ -117,6 +121,45 @@ private:
   bool hasGhosts_ = false;
 };
 
-} // namespace treeamr
+template <class Body>
+void HyperTreeGridTopology::forEachVertex(const Body& body) const
+{
+  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
+    tbb::parallel_for(tbb::blocked_range<vtkIdType>(0, tree.vertexCount, 4096), [&](const auto& range) {
+      for (vtkIdType v = range.begin(); v != range.end(); ++v)
+      {
+        body(tree, v);
+      }
+    });
+  });
+}
 
-#include "HyperTreeGridTopology.inl"
+template <class IsFinite>
+bool HyperTreeGridTopology::excludeNonFinite(const IsFinite& isFinite)
+{
+  const auto excluded = [&](const HyperTreeView& tree, vtkIdType v) {
+    return tree.isLeaf(v) && exists(tree, v) && !isFinite(tree.globalIndex(v));
+  };
+  std::atomic<bool> found{ false };
+  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+    if (!found.load(std::memory_order_relaxed) && excluded(tree, v))
+    {
+      found.store(true, std::memory_order_relaxed);
+    }
+  });
+  if (!found)
+  {
+    return false;
+  }
+  allocateStates();
+  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+    if (excluded(tree, v))
+    {
+      states_[tree.firstState + v] = 0;
+    }
+  });
+  propagateUp();
+  return true;
+}
+
+} // namespace treeamr

@@ -34,9 +34,9 @@ std::string listOfArrays(vtkHyperTreeGrid* grid)
 vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid)
 {
   vtkMTimeType time = std::max(grid->GetMTime(), grid->GetCellData()->GetMTime());
-  for (vtkObject* part : { static_cast<vtkObject*>(grid->GetMask()),
-         static_cast<vtkObject*>(grid->GetXCoordinates()), static_cast<vtkObject*>(grid->GetYCoordinates()),
-         static_cast<vtkObject*>(grid->GetZCoordinates()) })
+  for (vtkObject* part :
+    { static_cast<vtkObject*>(grid->GetMask()), static_cast<vtkObject*>(grid->GetXCoordinates()),
+      static_cast<vtkObject*>(grid->GetYCoordinates()), static_cast<vtkObject*>(grid->GetZCoordinates()) })
   {
     time = part ? std::max(time, part->GetMTime()) : time;
   }
@@ -46,11 +46,12 @@ vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid)
 std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId)
 {
   vtkCellData* cells = grid->GetCellData();
-  const char* name = arrayId >= 0 && arrayId < cells->GetNumberOfArrays() ? cells->GetArrayName(arrayId) : nullptr;
+  const char* name =
+    arrayId >= 0 && arrayId < cells->GetNumberOfArrays() ? cells->GetArrayName(arrayId) : nullptr;
   if (!name)
   {
-    throw Error("hyper tree grid: no cell array has the number " + std::to_string(arrayId) +
-      ", there are " + listOfArrays(grid));
+    throw Error("hyper tree grid: no cell array has the number " + std::to_string(arrayId) + ", there are " +
+      listOfArrays(grid));
   }
   return name;
 }
@@ -85,11 +86,13 @@ std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int ac
       return fallback;
     case VTK_SCALAR_MODE_USE_CELL_FIELD_DATA:
     {
-      const std::string name =
-        accessMode == VTK_GET_ARRAY_BY_ID ? cellArrayName(grid, arrayId) : arrayName ? arrayName : "";
+      const std::string name = accessMode == VTK_GET_ARRAY_BY_ID ? cellArrayName(grid, arrayId)
+        : arrayName                                              ? arrayName
+                                                                 : "";
       if (!grid->GetCellData()->HasArray(name.c_str()))
       {
-        throw Error("hyper tree grid: no cell array is called '" + name + "', there are " + listOfArrays(grid));
+        throw Error(
+          "hyper tree grid: no cell array is called '" + name + "', there are " + listOfArrays(grid));
       }
       return name;
     }

@@ -23,8 +23,9 @@ std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId);
 /// The active scalars, else the first array; empty when the grid has no array.
 std::string defaultCellArrayName(vtkHyperTreeGrid* grid);
 
-/// The array that ScalarMode, ArrayAccessMode, ArrayId and ArrayName of a VTK mapper mean. `fallback` is meant
-/// by modes that name no array. Throws Error for modes of point or field data, which hyper tree grids have not.
+/// The array that ScalarMode, ArrayAccessMode, ArrayId and ArrayName of a VTK mapper mean. `fallback` is
+/// meant by modes that name no array. Throws Error for modes of point or field data, which hyper tree grids
+/// have not.
 std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,
   const char* arrayName, const std::string& fallback);
 

@@ -19,7 +19,8 @@ struct SurfaceAppearance
   Material material;
   std::vector<Light> lights;
   float opacity = 1.f;
-  /// Factors of the colours that replace the material's ambient and diffuse ones, when there are such colours.
+  /// Factors of the colours that replace the material's ambient and diffuse ones, when there are such
+  /// colours.
   float ambientOfColors = 0.f;
   float diffuseOfColors = 1.f;
 };

@@ -122,7 +122,8 @@ std::vector<float> readTexture(
   {
     throw treeamr::Error(std::string("depth peeling: texture ") + sampler + " has " +
       std::to_string(textureWidth) + " x " + std::to_string(textureHeight) + " pixels, the viewport " +
-      std::to_string(width) + " x " + std::to_string(height) + " (OpenGL error " + std::to_string(error) + ")");
+      std::to_string(width) + " x " + std::to_string(height) + " (OpenGL error " + std::to_string(error) +
+      ")");
   }
   return values;
 }
@@ -190,8 +191,8 @@ vtkTreeAMRDepthPeeling::Stage vtkTreeAMRDepthPeeling::FindStage(
   std::string geometryShader;
   std::string fragmentShader = "//VTK::DepthPeeling::Dec\n";
   pass->PreReplaceShaderValues(vertexShader, geometryShader, fragmentShader, mapper, volume);
-  const auto declares = [&](const char* sampler)
-  { return fragmentShader.find(sampler) != std::string::npos; };
+  const auto declares = [&](
+                          const char* sampler) { return fragmentShader.find(sampler) != std::string::npos; };
   if (declares("depthRangeTex"))
   {
     return Stage::Remainder;
@@ -332,8 +333,7 @@ void vtkTreeAMRDepthPeeling::Draw(
 //------------------------------------------------------------------------------
 void vtkTreeAMRDepthPeeling::ReleaseGraphicsResources(vtkWindow* window)
 {
-  for (vtkTreeAMRQuad* quad :
-    { &this->ProbeQuad, &this->OutsideQuad, &this->PeelQuad, &this->RemainderQuad })
+  for (vtkTreeAMRQuad* quad : { &this->ProbeQuad, &this->OutsideQuad, &this->PeelQuad, &this->RemainderQuad })
   {
     quad->ReleaseGraphicsResources();
   }

@@ -1,14 +1,14 @@
 // A volume's part in vtkDualDepthPeelingPass, so that translucent polygons inside it are composited exactly.
 //
 // The pass peels translucent surfaces from both ends at once and asks volumes, between two peels, for the
-// segments of each ray between the surfaces just peeled: first the parts outside of all surfaces, then a front
-// and a back segment for every peel, and, when the number of peels is used up, what remains in the middle. VTK's
-// GPU mapper takes part through shader substitutions; here the pass's depth textures are read back, the segments
-// are traced on the CPU and the images are written the way those substituted shaders write them. Naive drawing
-// instead would end up in the pass's working textures.
+// segments of each ray between the surfaces just peeled: first the parts outside of all surfaces, then a
+// front and a back segment for every peel, and, when the number of peels is used up, what remains in the
+// middle. VTK's GPU mapper takes part through shader substitutions; here the pass's depth textures are read
+// back, the segments are traced on the CPU and the images are written the way those substituted shaders write
+// them. Naive drawing instead would end up in the pass's working textures.
 //
-// The pass keeps its stage to itself, but what it substitutes tells it. Its textures hold 8 bits a channel, and
-// two volumes in the same pixels are blended by maximum: both are limits of the pass.
+// The pass keeps its stage to itself, but what it substitutes tells it. Its textures hold 8 bits a channel,
+// and two volumes in the same pixels are blended by maximum: both are limits of the pass.
 #pragma once
 
 #include "RayTracing/Image.h"
@@ -38,8 +38,8 @@ public:
   vtkTreeAMRDepthPeeling(const vtkTreeAMRDepthPeeling&) = delete;
   vtkTreeAMRDepthPeeling& operator=(const vtkTreeAMRDepthPeeling&) = delete;
 
-  /// Whether the volume is being rendered by the pass: then Begin, two images and Draw replace drawing over the
-  /// framebuffer.
+  /// Whether the volume is being rendered by the pass: then Begin, two images and Draw replace drawing over
+  /// the framebuffer.
   static bool IsPeeling(vtkProp* volume);
 
   /// The segments to trace now. width x height is the viewport. Throws treeamr::Error.

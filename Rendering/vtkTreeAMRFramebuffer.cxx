@@ -28,8 +28,8 @@ void main()
 }
 )";
 
-// The tags are those of VTK's polygon shaders. The passes of depth peeling read gl_FragDepth after PreColor and
-// gl_FragData[0] after Impl.
+// The tags are those of VTK's polygon shaders. The passes of depth peeling read gl_FragDepth after PreColor
+// and gl_FragData[0] after Impl.
 const char* const surfaceShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
@@ -54,8 +54,9 @@ void main()
 
 const char* const geometryDeclarations = "uniform sampler2D treeamrPosition;\n"
                                          "uniform sampler2D treeamrNormal;\n";
-const char* const geometryOutputs = "  gl_FragData[1] = vec4(texture2D(treeamrPosition, texCoord).xyz, 1.0);\n"
-                                    "  gl_FragData[2] = vec4(texture2D(treeamrNormal, texCoord).xyz, 1.0);\n";
+const char* const geometryOutputs =
+  "  gl_FragData[1] = vec4(texture2D(treeamrPosition, texCoord).xyz, 1.0);\n"
+  "  gl_FragData[2] = vec4(texture2D(treeamrNormal, texCoord).xyz, 1.0);\n";
 
 // Saves and restores what reading pixels touches. Raw OpenGL: vtkOpenGLState never learns of it.
 class PixelReadState
@@ -236,8 +237,8 @@ vtkTreeAMRViewport vtkTreeAMRFramebuffer::GetViewport(vtkRenderer* renderer)
   GetWindow(renderer)->GetState()->vtkglGetIntegerv(GL_VIEWPORT, box);
   if (box[2] < 1 || box[3] < 1)
   {
-    throw treeamr::Error("framebuffer: the viewport has " + std::to_string(box[2]) + " x " +
-      std::to_string(box[3]) + " pixels");
+    throw treeamr::Error(
+      "framebuffer: the viewport has " + std::to_string(box[2]) + " x " + std::to_string(box[3]) + " pixels");
   }
   return { box[0], box[1], box[2], box[3] };
 }
@@ -375,7 +376,8 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
   {
     if (isAmbientOcclusion(pass))
     {
-      // It gives its position and normal buffers to vtkOpenGLPolyDataMapper alone and would take them away here.
+      // It gives its position and normal buffers to vtkOpenGLPolyDataMapper alone and would take them away
+      // here.
       unsigned int buffers[] = { GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2 };
       state->vtkglDrawBuffers(3, buffers);
     }

@@ -1,4 +1,5 @@
-// Images of the CPU renderers into VTK's OpenGL framebuffers, and the depth of what is already there out of them.
+// Images of the CPU renderers into VTK's OpenGL framebuffers, and the depth of what is already there out of
+// them.
 //
 // Works on whatever framebuffer and viewport are bound for drawing, so that it serves render passes, IceT and
 // multisampled windows as well as plain ones. All OpenGL state is restored: vtkOpenGLState keeps a copy of it
@@ -49,7 +50,8 @@ public:
 
   /// Throws treeamr::Error when the renderer does not draw into an OpenGL window.
   static vtkOpenGLRenderWindow* GetWindow(vtkRenderer* renderer);
-  /// The current OpenGL viewport: the renderer's own, except inside passes that draw into textures. Throws Error.
+  /// The current OpenGL viewport: the renderer's own, except inside passes that draw into textures. Throws
+  /// Error.
   static vtkTreeAMRViewport GetViewport(vtkRenderer* renderer);
   /// Forgets OpenGL errors that others left behind, so that what is found next is one's own.
   static void DiscardErrors();

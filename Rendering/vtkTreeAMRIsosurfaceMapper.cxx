@@ -59,8 +59,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   vtkTreeAMRSurfaceImage Image;
 
   /// RGBA of each hit; null: the solid colour.
-  vtkSmartPointer<vtkUnsignedCharArray> MapColors(
-    vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid);
+  vtkSmartPointer<vtkUnsignedCharArray> MapColors(vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid);
   void PlaceForAmbientOcclusion(vtkRenderer* renderer, vtkActor* actor);
 };
 
@@ -175,7 +174,8 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(vtkRenderer* renderer, vtkActor* act
   const treeamr::Matrix4 worldFromData = treeamr::worldFromData(actor);
   if (internals.Camera && internals.Camera->width() == internals.Viewport.Width &&
     internals.Camera->height() == internals.Viewport.Height && internals.ClipFromData == clipFromData &&
-    internals.WorldFromData == worldFromData && internals.SurfaceTimeOfHits == internals.SurfaceTime.GetMTime())
+    internals.WorldFromData == worldFromData &&
+    internals.SurfaceTimeOfHits == internals.SurfaceTime.GetMTime())
   {
     return;
   }

@@ -3,18 +3,18 @@
  * @brief   ray-traces an isosurface of a vtkHyperTreeGrid on the CPU
  *
  * The surface is implicit: the points where the generalized trilinear interpolation of the cells' values (see
- * Core/Interpolation) equals Isovalue, without cracks at refinement levels and without triangles. The contoured
- * array is SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name); unset it is the active
- * scalars or, when there are none, the first cell array.
+ * Core/Interpolation) equals Isovalue, without cracks at refinement levels and without triangles. The
+ * contoured array is SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name); unset it
+ * is the active scalars or, when there are none, the first cell array.
  *
- * The actor's vtkProperty and the renderer's lights shade it as they shade polygons. It is coloured by an array
- * through vtkMapper's ScalarVisibility, ScalarMode, SelectColorArray() and LookupTable; arrays of colours
- * (direct scalars) are mapped like all others, and an array that does not exist leaves the solid colour, with
- * a warning. Real depth is written: the surface meets polygons and volumes correctly.
+ * The actor's vtkProperty and the renderer's lights shade it as they shade polygons. It is coloured by an
+ * array through vtkMapper's ScalarVisibility, ScalarMode, SelectColorArray() and LookupTable; arrays of
+ * colours (direct scalars) are mapped like all others, and an array that does not exist leaves the solid
+ * colour, with a warning. Real depth is written: the surface meets polygons and volumes correctly.
  *
  * Opacity below 1 shows the nearest layer of the surface translucent; layers behind it are not drawn yet.
- * Hardware selection (picking) finds the prop, not cells. Clipping planes are not implemented and warn. Needs an
- * OpenGL window.
+ * Hardware selection (picking) finds the prop, not cells. Clipping planes are not implemented and warn. Needs
+ * an OpenGL window.
  */
 
 #ifndef vtkTreeAMRIsosurfaceMapper_h

@@ -138,8 +138,8 @@ void vtkTreeAMRVolumeMapper::UpdateField()
     throw treeamr::Error("volume mapper: no input, needed is a vtkHyperTreeGrid");
   }
   treeamr::ArraySelection selection;
-  selection.name = treeamr::selectedCellArrayName(grid, this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
-    this->ArrayName, treeamr::defaultCellArrayName(grid));
+  selection.name = treeamr::selectedCellArrayName(grid, this->ScalarMode, this->ArrayAccessMode,
+    this->ArrayId, this->ArrayName, treeamr::defaultCellArrayName(grid));
   selection.component = this->VectorMode == COMPONENT ? this->VectorComponent : -1;
   const std::shared_ptr<const treeamr::Field>& field =
     this->Private->FieldSlot.acquire(grid, selection, true);
@@ -177,13 +177,13 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   this->UpdateTransferFunction(volume);
 
   const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
-  const treeamr::Camera camera(treeamr::clipFromData(renderer, volume), treeamr::worldFromData(volume),
-    viewport.Width, viewport.Height);
+  const treeamr::Camera camera(
+    treeamr::clipFromData(renderer, volume), treeamr::worldFromData(volume), viewport.Width, viewport.Height);
   const treeamr::VolumeSettings settings{ this->SamplesPerCell, this->SkipEmptySpace };
   treeamr::VolumeStatistics statistics;
   const auto trace = [&](const treeamr::DepthInterval& interval, treeamr::Image& image) {
-    statistics += treeamr::renderVolume(
-      *internals.Field, *internals.TransferFunction, camera, interval, settings, image);
+    statistics +=
+      treeamr::renderVolume(*internals.Field, *internals.TransferFunction, camera, interval, settings, image);
   };
 
   treeamr::Image image(viewport.Width, viewport.Height);

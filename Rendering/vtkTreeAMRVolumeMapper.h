@@ -2,19 +2,19 @@
  * @class   vtkTreeAMRVolumeMapper
  * @brief   ray-traces a vtkHyperTreeGrid as a volume on the CPU
  *
- * The field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation): continuous
- * across refinement levels, without resampling. A volume mapper like VTK's own: colours, scalar opacity and its
- * unit distance (in world units) come from the vtkVolume's vtkVolumeProperty, component 0; the array from
- * SelectScalarArray() and ScalarMode. Without a selection it is the active scalars or, when there are none, the
- * first cell array.
+ * The field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation):
+ * continuous across refinement levels, without resampling. A volume mapper like VTK's own: colours, scalar
+ * opacity and its unit distance (in world units) come from the vtkVolume's vtkVolumeProperty, component 0;
+ * the array from SelectScalarArray() and ScalarMode. Without a selection it is the active scalars or, when
+ * there are none, the first cell array.
  *
  * Composite blending only. Opaque geometry in front, inside and behind is honoured through the depth buffer,
  * translucent polygons through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Shading, gradient
- * opacity, cropping and clipping planes are not implemented; cropping and clipping warn. Volumes do not take part
- * in hardware selection.
+ * opacity, cropping and clipping planes are not implemented; cropping and clipping warn. Volumes do not take
+ * part in hardware selection.
  *
- * What is unchanged is not made again: a camera costs one frame, a colour map a table of 4096 entries, an array
- * its conversion. Needs an OpenGL window.
+ * What is unchanged is not made again: a camera costs one frame, a colour map a table of 4096 entries, an
+ * array its conversion. Needs an OpenGL window.
  */
 
 #ifndef vtkTreeAMRVolumeMapper_h

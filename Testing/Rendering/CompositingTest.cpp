@@ -190,7 +190,10 @@ protected:
     expectLayers(scene, volume, rectangles, tolerance, {});
   }
 
-  static vtkVolume* addBox(Scene& scene) { return scene.addVolume(makeTestGrid(), "one", orange, extinction); }
+  static vtkVolume* addBox(Scene& scene)
+  {
+    return scene.addVolume(makeTestGrid(), "one", orange, extinction);
+  }
 
   static void peel(Scene& scene, int peels)
   {
@@ -362,7 +365,8 @@ TEST_F(CompositingTest, translucentPolygonsWithCameraInside)
 {
   Scene scene;
   vtkVolume* volume = addBox(scene);
-  const std::vector<Rectangle> rectangles{ { { 0.7, 0.2, 0.3 }, { 0., 0.4, 0. }, { 0.1, 0., 0.4 }, blue, 0.5 },
+  const std::vector<Rectangle> rectangles{ { { 0.7, 0.2, 0.3 }, { 0., 0.4, 0. }, { 0.1, 0., 0.4 }, blue,
+                                             0.5 },
     { { 0.4, 0.1, 0.2 }, { 0., 0.3, 0. }, { 0.1, 0., 0.3 }, green, 0.4 } };
   addRectangles(scene, rectangles);
   peel(scene, 4);
@@ -413,9 +417,10 @@ TEST_F(CompositingTest, moreTranslucentPolygonsThanPeels)
         return Layer{ orange, -std::expm1(-extinction * length) };
       };
       const auto polygon = [&](int i) { return Layer{ backToFront[i].color, backToFront[i].opacity }; };
-      const Color color = composite({ segment(0., s[3]), polygon(3), segment(s[3], s[2]), segment(s[2], s[1]),
-                                      polygon(2), polygon(1), segment(s[1], s[0]), polygon(0), segment(s[0], 1.) },
-        background);
+      const Color color =
+        composite({ segment(0., s[3]), polygon(3), segment(s[3], s[2]), segment(s[2], s[1]), polygon(2),
+                    polygon(1), segment(s[1], s[0]), polygon(0), segment(s[0], 1.) },
+          background);
       for (int c = 0; c < 3; ++c)
       {
         ASSERT_NEAR(pixels[static_cast<std::size_t>(y) * scene.width() + x][c], color[c], peelTolerance)
@@ -432,7 +437,8 @@ TEST_F(CompositingTest, translucentPolygonsWithoutPeelingOfVolumes)
   {
     Scene scene;
     vtkVolume* volume = addBox(scene);
-    const std::vector<Rectangle> rectangles{ facingRectangle(0.4, 0.8, blue, 0.5), facingRectangle(-0.6, 1., red) };
+    const std::vector<Rectangle> rectangles{ facingRectangle(0.4, 0.8, blue, 0.5),
+      facingRectangle(-0.6, 1., red) };
     addRectangles(scene, rectangles);
     scene.renderer->SetUseDepthPeeling(peeling);
     scene.renderer->SetUseDepthPeelingForVolumes(false);
@@ -486,8 +492,7 @@ TEST_F(SurfaceCompositingTest, withOpaquePolygonsAcross)
   Scene scene;
   vtkSmartPointer<vtkHyperTreeGrid> grid = makeTestGrid();
   addSurface(scene, grid, green);
-  const std::vector<Rectangle> across{ obliqueRectangle(blue),
-    facingRectangle(-2.5, 1.2, red) };
+  const std::vector<Rectangle> across{ obliqueRectangle(blue), facingRectangle(-2.5, 1.2, red) };
   addRectangles(scene, across);
   scene.setCamera();
   // Where the two surfaces cross, depths are equal: no edge of a rectangle, so leave the line out by colour.
@@ -510,7 +515,8 @@ TEST_F(SurfaceCompositingTest, withOpaquePolygonsAcross)
       bool same = true;
       for (int c = 0; c < 3; ++c)
       {
-        same = same && std::abs(pixels[static_cast<std::size_t>(y) * scene.width() + x][c] - color[c]) <= eightBits;
+        same = same &&
+          std::abs(pixels[static_cast<std::size_t>(y) * scene.width() + x][c] - color[c]) <= eightBits;
       }
       different += !same;
     }
@@ -525,7 +531,8 @@ TEST_F(SurfaceCompositingTest, opaqueAmongTranslucentPolygonsAndVolume)
   vtkSmartPointer<vtkHyperTreeGrid> grid = makeTestGrid();
   vtkVolume* volume = scene.addVolume(grid, "one", orange, extinction);
   addSurface(scene, grid, green);
-  std::vector<Rectangle> rectangles{ facingRectangle(0.5, 0.8, blue, 0.5), facingRectangle(-1., 1., white, 0.5) };
+  std::vector<Rectangle> rectangles{ facingRectangle(0.5, 0.8, blue, 0.5),
+    facingRectangle(-1., 1., white, 0.5) };
   addRectangles(scene, rectangles);
   peel(scene, 4);
   scene.setCamera();

@@ -205,7 +205,8 @@ TEST_F(IsosurfaceMapperTest, picking)
   vtkActor* surface = scene.addIsosurface(grid, "plane", 0.);
   // Volumes are not picked, and hide nothing from picking.
   scene.addVolume(grid, "x", { 1., 1., 1. }, 0.5);
-  vtkActor* rectangle = scene.addRectangle({ 0.9, 0.7, 1.2 }, { 0.4, 0., -0.2 }, { 0., 0.4, 0. }, { 1., 0., 0. });
+  vtkActor* rectangle =
+    scene.addRectangle({ 0.9, 0.7, 1.2 }, { 0.4, 0., -0.2 }, { 0., 0.4, 0. }, { 1., 0., 0. });
   scene.setCamera();
   const auto colors = scene.render();
   vtkNew<vtkPropPicker> picker;

@@ -150,66 +150,63 @@ TEST_F(IsosurfaceLightingTest, lightingOff)
 
 TEST_F(IsosurfaceLightingTest, directionalLights)
 {
-  expectSameAsPolygon(
-    [](Scene& scene, vtkActor* actor) {
-      actor->GetProperty()->SetSpecular(0.5);
-      actor->GetProperty()->SetSpecularPower(6.);
-      vtkNew<vtkLight> sceneLight;
-      sceneLight->SetLightTypeToSceneLight();
-      sceneLight->SetPosition(-2., 3., 4.);
-      sceneLight->SetFocalPoint(0., 0., 1.);
-      sceneLight->SetColor(0.9, 0.7, 1.);
-      sceneLight->SetIntensity(0.6);
-      scene.renderer->AddLight(sceneLight);
-      vtkNew<vtkLight> cameraLight;
-      cameraLight->SetLightTypeToCameraLight();
-      cameraLight->SetPosition(1., 1., 1.);
-      cameraLight->SetFocalPoint(0., 0., 0.);
-      cameraLight->SetIntensity(0.4);
-      scene.renderer->AddLight(cameraLight);
-      vtkNew<vtkLight> off;
-      off->SetSwitch(0);
-      scene.renderer->AddLight(off);
-    });
+  expectSameAsPolygon([](Scene& scene, vtkActor* actor) {
+    actor->GetProperty()->SetSpecular(0.5);
+    actor->GetProperty()->SetSpecularPower(6.);
+    vtkNew<vtkLight> sceneLight;
+    sceneLight->SetLightTypeToSceneLight();
+    sceneLight->SetPosition(-2., 3., 4.);
+    sceneLight->SetFocalPoint(0., 0., 1.);
+    sceneLight->SetColor(0.9, 0.7, 1.);
+    sceneLight->SetIntensity(0.6);
+    scene.renderer->AddLight(sceneLight);
+    vtkNew<vtkLight> cameraLight;
+    cameraLight->SetLightTypeToCameraLight();
+    cameraLight->SetPosition(1., 1., 1.);
+    cameraLight->SetFocalPoint(0., 0., 0.);
+    cameraLight->SetIntensity(0.4);
+    scene.renderer->AddLight(cameraLight);
+    vtkNew<vtkLight> off;
+    off->SetSwitch(0);
+    scene.renderer->AddLight(off);
+  });
 }
 
 TEST_F(IsosurfaceLightingTest, positionalLightsWithConeAndAttenuation)
 {
-  expectSameAsPolygon(
-    [](Scene& scene, vtkActor* actor) {
-      actor->GetProperty()->SetSpecular(0.5);
-      actor->GetProperty()->SetSpecularPower(6.);
-      vtkNew<vtkLight> spot;
-      spot->SetLightTypeToSceneLight();
-      spot->PositionalOn();
-      spot->SetPosition(1., 1.5, 1.2);
-      spot->SetFocalPoint(0.1, 0., 0.);
-      spot->SetConeAngle(24.);
-      spot->SetExponent(3.);
-      spot->SetAttenuationValues(0.5, 0.1, 0.2);
-      scene.renderer->AddLight(spot);
-      vtkNew<vtkLight> bulb;
-      bulb->SetLightTypeToSceneLight();
-      bulb->PositionalOn();
-      bulb->SetPosition(-1.2, 0.9, 1.);
-      bulb->SetConeAngle(180.);
-      bulb->SetAttenuationValues(1., 0.2, 0.3);
-      bulb->SetColor(0.3, 0.6, 1.);
-      scene.renderer->AddLight(bulb);
-    });
+  expectSameAsPolygon([](Scene& scene, vtkActor* actor) {
+    actor->GetProperty()->SetSpecular(0.5);
+    actor->GetProperty()->SetSpecularPower(6.);
+    vtkNew<vtkLight> spot;
+    spot->SetLightTypeToSceneLight();
+    spot->PositionalOn();
+    spot->SetPosition(1., 1.5, 1.2);
+    spot->SetFocalPoint(0.1, 0., 0.);
+    spot->SetConeAngle(24.);
+    spot->SetExponent(3.);
+    spot->SetAttenuationValues(0.5, 0.1, 0.2);
+    scene.renderer->AddLight(spot);
+    vtkNew<vtkLight> bulb;
+    bulb->SetLightTypeToSceneLight();
+    bulb->PositionalOn();
+    bulb->SetPosition(-1.2, 0.9, 1.);
+    bulb->SetConeAngle(180.);
+    bulb->SetAttenuationValues(1., 0.2, 0.3);
+    bulb->SetColor(0.3, 0.6, 1.);
+    scene.renderer->AddLight(bulb);
+  });
 }
 
 TEST_F(IsosurfaceLightingTest, lightKitOnARotatedAndUnevenlyScaledActor)
 {
-  expectSameAsPolygon(
-    [](Scene& scene, vtkActor* actor) {
-      actor->SetScale(1.3, 0.7, 0.9);
-      actor->RotateWXYZ(25., 1., 2., -1.);
-      actor->SetPosition(0.1, -0.2, 0.1);
-      vtkNew<vtkLightKit> kit;
-      kit->AddLightsToRenderer(scene.renderer);
-      scene.renderer->SetAutomaticLightCreation(false);
-    });
+  expectSameAsPolygon([](Scene& scene, vtkActor* actor) {
+    actor->SetScale(1.3, 0.7, 0.9);
+    actor->RotateWXYZ(25., 1., 2., -1.);
+    actor->SetPosition(0.1, -0.2, 0.1);
+    vtkNew<vtkLightKit> kit;
+    kit->AddLightsToRenderer(scene.renderer);
+    scene.renderer->SetAutomaticLightCreation(false);
+  });
 }
 
 // The pass reads positions and normals of what is drawn, at random places and from coarse copies, which also
@@ -299,16 +296,19 @@ TEST_F(IsosurfaceColorTest, cellsWithoutAValue)
   mapper->SetLookupTable(table);
   mapper->UseLookupTableScalarRangeOn();
   int without = 0;
-  expectColors(scene, [&](const Point& p, Color& color) {
-    if (p[0] > 0.5)
-    {
-      ++without;
-      std::copy(table->GetNanColor(), table->GetNanColor() + 3, color.begin());
-      return true;
-    }
-    table->GetColor(p[0], color.data());
-    return p[0] < -0.01;
-  }, 100);
+  expectColors(
+    scene,
+    [&](const Point& p, Color& color) {
+      if (p[0] > 0.5)
+      {
+        ++without;
+        std::copy(table->GetNanColor(), table->GetNanColor() + 3, color.begin());
+        return true;
+      }
+      table->GetColor(p[0], color.data());
+      return p[0] < -0.01;
+    },
+    100);
   EXPECT_GT(without, 20);
 }
 

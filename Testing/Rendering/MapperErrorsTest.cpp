@@ -98,10 +98,10 @@ protected:
   }
   void expectBadInput(const std::vector<std::string>& parts, vtkHyperTreeGrid* bad)
   {
-    expectVolumeError(parts, [&] { volumeMapper_->SetInputData(bad); },
-      [&] { volumeMapper_->SetInputData(grid_.Get()); });
-    expectSurfaceError(parts, [&] { surfaceMapper_->SetInputData(bad); },
-      [&] { surfaceMapper_->SetInputData(grid_.Get()); });
+    expectVolumeError(
+      parts, [&] { volumeMapper_->SetInputData(bad); }, [&] { volumeMapper_->SetInputData(grid_.Get()); });
+    expectSurfaceError(
+      parts, [&] { surfaceMapper_->SetInputData(bad); }, [&] { surfaceMapper_->SetInputData(grid_.Get()); });
   }
 
   Scene scene_;
@@ -117,19 +117,23 @@ protected:
 
 TEST_F(MapperErrorsTest, emptyGrid)
 {
-  expectVolumeError({ "no tree" }, [&] { volumeMapper_->SetInputData(emptyGrid()); },
+  expectVolumeError(
+    { "no tree" }, [&] { volumeMapper_->SetInputData(emptyGrid()); },
     [&] { volumeMapper_->SetInputData(grid_.Get()); });
   // Without bounds an actor is not asked to draw.
-  expectDirectError(surfaceMapper_, { "no tree" }, [&] { surfaceMapper_->SetInputData(emptyGrid()); },
+  expectDirectError(
+    surfaceMapper_, { "no tree" }, [&] { surfaceMapper_->SetInputData(emptyGrid()); },
     [&] { surfaceMapper_->Render(scene_.renderer, surface_); });
 }
 
 TEST_F(MapperErrorsTest, noInput)
 {
   // Nor a volume without input.
-  expectDirectError(volumeMapper_, { "no input" }, [&] { volumeMapper_->SetInputConnection(nullptr); },
+  expectDirectError(
+    volumeMapper_, { "no input" }, [&] { volumeMapper_->SetInputConnection(nullptr); },
     [&] { volumeMapper_->Render(scene_.renderer, volume_); });
-  expectDirectError(surfaceMapper_, { "no input" }, [&] { surfaceMapper_->SetInputConnection(nullptr); },
+  expectDirectError(
+    surfaceMapper_, { "no input" }, [&] { surfaceMapper_->SetInputConnection(nullptr); },
     [&] { surfaceMapper_->Render(scene_.renderer, surface_); });
 }
 
@@ -137,8 +141,10 @@ TEST_F(MapperErrorsTest, noWindow)
 {
   vtkNew<vtkRenderer> renderer;
   const std::string needed = "no window, needed is a vtkOpenGLRenderWindow";
-  expectDirectError(volumeMapper_, { needed }, [] {}, [&] { volumeMapper_->Render(renderer, volume_); });
-  expectDirectError(surfaceMapper_, { needed }, [] {}, [&] { surfaceMapper_->Render(renderer, surface_); });
+  expectDirectError(
+    volumeMapper_, { needed }, [] {}, [&] { volumeMapper_->Render(renderer, volume_); });
+  expectDirectError(
+    surfaceMapper_, { needed }, [] {}, [&] { surfaceMapper_->Render(renderer, surface_); });
 }
 
 TEST_F(MapperErrorsTest, allValuesNotANumber)
@@ -150,38 +156,45 @@ TEST_F(MapperErrorsTest, branchFactorThree)
 {
   GridOptions options;
   options.branchFactor = 3;
-  expectBadInput({ "branch factor", "3" }, makeGrid(options, { { "x", [](const Point& p) { return p[0]; } } }));
+  expectBadInput(
+    { "branch factor", "3" }, makeGrid(options, { { "x", [](const Point& p) { return p[0]; } } }));
 }
 
 TEST_F(MapperErrorsTest, missingArray)
 {
   const std::vector<std::string> parts{ "'nothing'" };
-  expectVolumeError(parts, [&] { volumeMapper_->SelectScalarArray("nothing"); },
+  expectVolumeError(
+    parts, [&] { volumeMapper_->SelectScalarArray("nothing"); },
     [&] { volumeMapper_->SelectScalarArray("x"); });
   const auto contour = [&](const char* name) {
     surfaceMapper_->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name);
   };
-  expectSurfaceError(parts, [&] { contour("nothing"); }, [&] { contour("x"); });
+  expectSurfaceError(
+    parts, [&] { contour("nothing"); }, [&] { contour("x"); });
 }
 
 TEST_F(MapperErrorsTest, missingArrayNumber)
 {
-  expectVolumeError({ "number 17", "'one', 'x', 'y', 'z'" }, [&] { volumeMapper_->SelectScalarArray(17); },
+  expectVolumeError(
+    { "number 17", "'one', 'x', 'y', 'z'" }, [&] { volumeMapper_->SelectScalarArray(17); },
     [&] { volumeMapper_->SelectScalarArray(1); });
 }
 
 TEST_F(MapperErrorsTest, missingComponent)
 {
   volumeMapper_->SetVectorMode(vtkTreeAMRVolumeMapper::COMPONENT);
-  expectVolumeError({ "component 3" }, [&] { volumeMapper_->SetVectorComponent(3); },
+  expectVolumeError(
+    { "component 3" }, [&] { volumeMapper_->SetVectorComponent(3); },
     [&] { volumeMapper_->SetVectorComponent(0); });
-  expectSurfaceError({ "component 3" }, [&] { surfaceMapper_->SetIsosurfaceComponent(3); },
+  expectSurfaceError(
+    { "component 3" }, [&] { surfaceMapper_->SetIsosurfaceComponent(3); },
     [&] { surfaceMapper_->SetIsosurfaceComponent(-1); });
 }
 
 TEST_F(MapperErrorsTest, pointData)
 {
-  expectVolumeError({ "point" }, [&] { volumeMapper_->SetScalarModeToUsePointFieldData(); },
+  expectVolumeError(
+    { "point" }, [&] { volumeMapper_->SetScalarModeToUsePointFieldData(); },
     [&] { volumeMapper_->SetScalarModeToUseCellFieldData(); });
 }
 
@@ -189,8 +202,9 @@ TEST_F(MapperErrorsTest, blendModes)
 {
   for (int mode = 1; mode <= 6; ++mode)
   {
-    expectVolumeError({ "blend mode " + std::to_string(mode), "0 (composite)" },
-      [&] { volumeMapper_->SetBlendMode(mode); }, [&] { volumeMapper_->SetBlendModeToComposite(); });
+    expectVolumeError(
+      { "blend mode " + std::to_string(mode), "0 (composite)" }, [&] { volumeMapper_->SetBlendMode(mode); },
+      [&] { volumeMapper_->SetBlendModeToComposite(); });
   }
 }
 
@@ -200,7 +214,8 @@ TEST_F(MapperErrorsTest, samplesPerCell)
   {
     // NaN never equals itself: every set is a change.
     double set = 1.;
-    expectVolumeError({ "samples per cell" },
+    expectVolumeError(
+      { "samples per cell" },
       [&] {
         if (set != samples)
         {
@@ -214,21 +229,24 @@ TEST_F(MapperErrorsTest, samplesPerCell)
 
 TEST_F(MapperErrorsTest, unitDistance)
 {
-  expectVolumeError({ "unit distance" }, [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(0.); },
+  expectVolumeError(
+    { "unit distance" }, [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(0.); },
     [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(1.); });
 }
 
 TEST_F(MapperErrorsTest, isovalueNotFinite)
 {
-  expectSurfaceError({ "isovalue" },
-    [&] { surfaceMapper_->SetIsovalue(std::numeric_limits<double>::infinity()); },
+  expectSurfaceError(
+    { "isovalue" }, [&] { surfaceMapper_->SetIsovalue(std::numeric_limits<double>::infinity()); },
     [&] { surfaceMapper_->SetIsovalue(0.3); });
 }
 
 TEST_F(MapperErrorsTest, singularMatrix)
 {
-  expectVolumeError({ "singular" }, [&] { volume_->SetScale(1., 0., 1.); }, [&] { volume_->SetScale(1.); });
-  expectSurfaceError({ "singular" }, [&] { surface_->SetScale(1., 0., 1.); }, [&] { surface_->SetScale(1.); });
+  expectVolumeError(
+    { "singular" }, [&] { volume_->SetScale(1., 0., 1.); }, [&] { volume_->SetScale(1.); });
+  expectSurfaceError(
+    { "singular" }, [&] { surface_->SetScale(1., 0., 1.); }, [&] { surface_->SetScale(1.); });
 }
 
 TEST_F(MapperErrorsTest, missingColorArrayWarnsAndLeavesTheSolidColor)

@@ -60,8 +60,8 @@ protected:
     const Point u{ 1.2, 0., -0.6 };
     const Point v{ normal[1] * u[2] - normal[2] * u[1], normal[2] * u[0] - normal[0] * u[2],
       normal[0] * u[1] - normal[1] * u[0] };
-    return scene.addRectangle(center, { 2. * u[0], 2. * u[1], 2. * u[2] }, { 2. * v[0], 2. * v[1], 2. * v[2] },
-      { 1., 1., 1. });
+    return scene.addRectangle(
+      center, { 2. * u[0], 2. * u[1], 2. * u[2] }, { 2. * v[0], 2. * v[1], 2. * v[2] }, { 1., 1., 1. });
   }
 
   static void expectPlaneDepths(Scene& scene, vtkActor* actor)

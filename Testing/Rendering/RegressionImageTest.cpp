@@ -1,6 +1,6 @@
-// Pictures of the example data against baselines in Testing/Data/Baseline. The analytic tests come first; these
-// tell when a picture as a whole changes. A missing baseline fails and leaves the picture in Testing/Temporary
-// of the build: look at it before copying it.
+// Pictures of the example data against baselines in Testing/Data/Baseline. The analytic tests come first;
+// these tell when a picture as a whole changes. A missing baseline fails and leaves the picture in
+// Testing/Temporary of the build: look at it before copying it.
 #include "RenderingScene.h"
 
 #include "vtkColorTransferFunction.h"

@@ -102,8 +102,9 @@ vtkSmartPointer<vtkHyperTreeGrid> makeGrid(
     {
       coordinates->InsertNextValue(options.min[a] + (options.max[a] - options.min[a]) * i / options.roots[a]);
     }
-    a == 0 ? grid->SetXCoordinates(coordinates)
-           : a == 1 ? grid->SetYCoordinates(coordinates) : grid->SetZCoordinates(coordinates);
+    a == 0     ? grid->SetXCoordinates(coordinates)
+      : a == 1 ? grid->SetYCoordinates(coordinates)
+               : grid->SetZCoordinates(coordinates);
   }
   for (const auto& array : arrays)
   {
@@ -291,8 +292,7 @@ std::vector<float> Scene::depths()
   const int h = this->height();
   std::vector<float> values(static_cast<std::size_t>(w) * h);
   const int* origin = this->renderer->GetOrigin();
-  this->window->GetZbufferData(
-    origin[0], origin[1], origin[0] + w - 1, origin[1] + h - 1, values.data());
+  this->window->GetZbufferData(origin[0], origin[1], origin[0] + w - 1, origin[1] + h - 1, values.data());
   return values;
 }
 

@@ -75,8 +75,8 @@ public:
   vtkVolume* addVolume(vtkHyperTreeGrid* grid, const char* array, const Color& color, double extinction);
   vtkActor* addIsosurface(vtkHyperTreeGrid* grid, const char* array, double isovalue);
   /// An unlit rectangle through `center`.
-  vtkActor* addRectangle(const Point& center, const Point& halfU, const Point& halfV, const Color& color,
-    double opacity = 1.);
+  vtkActor* addRectangle(
+    const Point& center, const Point& halfU, const Point& halfV, const Color& color, double opacity = 1.);
   static vtkTreeAMRVolumeMapper* mapperOf(vtkVolume* volume);
   static vtkTreeAMRIsosurfaceMapper* mapperOf(vtkActor* actor);
 

@@ -50,7 +50,8 @@ protected:
     EXPECT_NEAR(entry.g, rgb[1], tolerance) << value;
     EXPECT_NEAR(entry.b, rgb[2], tolerance) << value;
     const double alpha = property->GetScalarOpacity(0)->GetValue(value);
-    EXPECT_NEAR(entry.extinction, -std::log1p(-alpha) / property->GetScalarOpacityUnitDistance(0), 10. * tolerance)
+    EXPECT_NEAR(
+      entry.extinction, -std::log1p(-alpha) / property->GetScalarOpacityUnitDistance(0), 10. * tolerance)
       << value;
   }
 

@@ -1,4 +1,5 @@
-// vtkTreeAMRVolumeMapper alone: opacities of homogeneous boxes against analytic chords, settings, what is rebuilt.
+// vtkTreeAMRVolumeMapper alone: opacities of homogeneous boxes against analytic chords, settings, what is
+// rebuilt.
 #include "RenderingScene.h"
 
 #include "vtkCellData.h"

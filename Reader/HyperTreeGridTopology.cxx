@@ -1,5 +1,5 @@
 // How the trees are checked, and how marks spread between a vertex and its children.
-#pragma once
+#include "HyperTreeGridTopology.h"
 
 #include "Error.h"
 
@@ -10,13 +10,12 @@
 #include "vtkUniformHyperTreeGrid.h"
 #include "vtkUnsignedCharArray.h"
 
-#include <atomic>
 #include <string>
 
 namespace treeamr
 {
 
-inline std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
+std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
 {
   if (grid.GetDimension() != 3)
   {
@@ -53,7 +52,7 @@ inline std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
   return planes;
 }
 
-inline std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
+std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
 {
   std::array<unsigned int, 3> roots;
   grid.GetCellDims(roots.data());
@@ -109,7 +108,7 @@ inline std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
   return trees;
 }
 
-inline HyperTreeGridTopology::HyperTreeGridTopology(vtkHyperTreeGrid* grid)
+HyperTreeGridTopology::HyperTreeGridTopology(vtkHyperTreeGrid* grid)
   : rootGrid_(readRootPlanes(checked(grid)))
   , trees_(collectTrees(*grid))
   , depthLimit_(grid->GetDepthLimiter())
@@ -119,7 +118,7 @@ inline HyperTreeGridTopology::HyperTreeGridTopology(vtkHyperTreeGrid* grid)
   markMaskAndGhosts(*grid);
 }
 
-inline vtkHyperTreeGrid& HyperTreeGridTopology::checked(vtkHyperTreeGrid* grid)
+vtkHyperTreeGrid& HyperTreeGridTopology::checked(vtkHyperTreeGrid* grid)
 {
   if (!grid)
   {
@@ -144,22 +143,9 @@ inline vtkHyperTreeGrid& HyperTreeGridTopology::checked(vtkHyperTreeGrid* grid)
   return *grid;
 }
 
-template <class Body>
-void HyperTreeGridTopology::forEachVertex(const Body& body) const
-{
-  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
-    tbb::parallel_for(tbb::blocked_range<vtkIdType>(0, tree.vertexCount, 4096), [&](const auto& range) {
-      for (vtkIdType v = range.begin(); v != range.end(); ++v)
-      {
-        body(tree, v);
-      }
-    });
-  });
-}
-
 /// Children must follow their parent, as in all trees that VTK builds: the sweeps by index rely on it, and a
 /// broken tree may not lead out of its arrays or around in circles.
-inline void HyperTreeGridTopology::checkTrees() const
+void HyperTreeGridTopology::checkTrees() const
 {
   forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
     if (!tree.isLeaf(v) && (tree.child(v, 0) <= v || tree.child(v, 7) >= tree.vertexCount))
@@ -172,7 +158,7 @@ inline void HyperTreeGridTopology::checkTrees() const
   });
 }
 
-inline void HyperTreeGridTopology::measureGlobalIndices()
+void HyperTreeGridTopology::measureGlobalIndices()
 {
   for (const HyperTreeView& tree : trees_)
   {
@@ -196,7 +182,7 @@ inline void HyperTreeGridTopology::measureGlobalIndices()
   }
 }
 
-inline void HyperTreeGridTopology::markMaskAndGhosts(vtkHyperTreeGrid& grid)
+void HyperTreeGridTopology::markMaskAndGhosts(vtkHyperTreeGrid& grid)
 {
   vtkBitArray* mask = grid.HasMask() ? grid.GetMask() : nullptr;
   vtkUnsignedCharArray* ghosts = grid.GetGhostCells();
@@ -246,40 +232,12 @@ inline void HyperTreeGridTopology::markMaskAndGhosts(vtkHyperTreeGrid& grid)
   propagateUp();
 }
 
-inline bool HyperTreeGridTopology::hasCells() const noexcept
+bool HyperTreeGridTopology::hasCells() const noexcept
 {
   return std::any_of(trees_.begin(), trees_.end(), [&](const HyperTreeView& t) { return exists(t, 0); });
 }
 
-template <class IsFinite>
-bool HyperTreeGridTopology::excludeNonFinite(const IsFinite& isFinite)
-{
-  const auto excluded = [&](const HyperTreeView& tree, vtkIdType v) {
-    return tree.isLeaf(v) && exists(tree, v) && !isFinite(tree.globalIndex(v));
-  };
-  std::atomic<bool> found{ false };
-  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
-    if (!found.load(std::memory_order_relaxed) && excluded(tree, v))
-    {
-      found.store(true, std::memory_order_relaxed);
-    }
-  });
-  if (!found)
-  {
-    return false;
-  }
-  allocateStates();
-  forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
-    if (excluded(tree, v))
-    {
-      states_[tree.firstState + v] = 0;
-    }
-  });
-  propagateUp();
-  return true;
-}
-
-inline void HyperTreeGridTopology::allocateStates()
+void HyperTreeGridTopology::allocateStates()
 {
   if (states_.empty())
   {
@@ -294,7 +252,7 @@ inline void HyperTreeGridTopology::allocateStates()
 }
 
 /// Nothing exists below a masked vertex.
-inline void HyperTreeGridTopology::propagateDown()
+void HyperTreeGridTopology::propagateDown()
 {
   tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
     std::uint8_t* const states = states_.data() + tree.firstState;
@@ -309,7 +267,7 @@ inline void HyperTreeGridTopology::propagateDown()
 }
 
 /// A coarse vertex exists when a child does; it is a ghost when all its existing children are.
-inline void HyperTreeGridTopology::propagateUp()
+void HyperTreeGridTopology::propagateUp()
 {
   tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
     std::uint8_t* const states = states_.data() + tree.firstState;
@@ -332,7 +290,7 @@ inline void HyperTreeGridTopology::propagateUp()
   });
 }
 
-inline ContentDigest HyperTreeGridTopology::octreeDigest() const
+ContentDigest HyperTreeGridTopology::octreeDigest() const
 {
   ContentDigest digest;
   for (int a = 0; a < 3; ++a)
