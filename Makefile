@@ -36,7 +36,7 @@ setup:
 demo: build
 	mkdir -p $(BUILD)/demo
 	$(BUILD)/bin/treeamr-demo-forest $(BUILD)/demo/mandelbulb.p8est
-	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py
+	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py $(BUILD)/demo/mandelbulb.p8est
 
 check: build
 	$(XVFB) ctest --test-dir $(BUILD) --output-on-failure --no-tests=error

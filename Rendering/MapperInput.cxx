@@ -86,9 +86,11 @@ std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int ac
       return fallback;
     case VTK_SCALAR_MODE_USE_CELL_FIELD_DATA:
     {
-      const std::string name = accessMode == VTK_GET_ARRAY_BY_ID ? cellArrayName(grid, arrayId)
-        : arrayName                                              ? arrayName
-                                                                 : "";
+      std::string name = arrayName ? arrayName : "";
+      if (accessMode == VTK_GET_ARRAY_BY_ID)
+      {
+        name = cellArrayName(grid, arrayId);
+      }
       if (!grid->GetCellData()->HasArray(name.c_str()))
       {
         throw Error(

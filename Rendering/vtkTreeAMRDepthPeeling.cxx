@@ -19,20 +19,19 @@
 namespace
 {
 
-// Uniforms that a shader does not use do not exist: this one uses them all.
+// Uniforms that a shader does not use do not exist: this one uses all that are asked for. The pass offers the
+// opaque depth as well; it is in outerDepthTex already, for nothing translucent behind it is peeled.
 const char* const probeShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
 uniform sampler2D innerDepthTex;
 uniform sampler2D outerDepthTex;
-uniform sampler2D opaqueDepthTex;
 uniform sampler2D lastFrontColorTex;
 uniform sampler2D depthRangeTex;
 void main()
 {
   gl_FragData[0] = texture2D(innerDepthTex, texCoord) + texture2D(outerDepthTex, texCoord) +
-    texture2D(opaqueDepthTex, texCoord) + texture2D(lastFrontColorTex, texCoord) +
-    texture2D(depthRangeTex, texCoord);
+    texture2D(lastFrontColorTex, texCoord) + texture2D(depthRangeTex, texCoord);
 }
 )";
 
@@ -74,6 +73,11 @@ void main()
 }
 )";
 
+bool declares(const std::string& shader, const char* sampler)
+{
+  return shader.find(sampler) != std::string::npos;
+}
+
 // The unit that a pass put into a sampler of the current program.
 GLint getTextureUnit(vtkShaderProgram* program, const char* sampler)
 {
@@ -87,12 +91,11 @@ GLint getTextureUnit(vtkShaderProgram* program, const char* sampler)
   return unit;
 }
 
-// The texture in that unit: height x width x components floats.
-std::vector<float> readTexture(
-  vtkShaderProgram* program, const char* sampler, GLenum format, int components, int width, int height)
+// The texture in that unit: height x width pairs.
+std::vector<float> readDepths(vtkShaderProgram* program, const char* sampler, int width, int height)
 {
   const GLint unit = getTextureUnit(program, sampler);
-  std::vector<float> values(static_cast<std::size_t>(width) * height * components);
+  std::vector<float> values(2 * static_cast<std::size_t>(width) * height);
 
   vtkTreeAMRFramebuffer::DiscardErrors();
   GLint activeTexture = GL_TEXTURE0;
@@ -111,7 +114,7 @@ std::vector<float> readTexture(
   const bool fits = textureWidth == width && textureHeight == height;
   if (fits)
   {
-    glGetTexImage(GL_TEXTURE_2D, 0, format, GL_FLOAT, values.data());
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RG, GL_FLOAT, values.data());
   }
   const GLenum error = glGetError();
   glPixelStorei(GL_PACK_ALIGNMENT, packAlignment);
@@ -191,17 +194,15 @@ vtkTreeAMRDepthPeeling::Stage vtkTreeAMRDepthPeeling::FindStage(
   std::string geometryShader;
   std::string fragmentShader = "//VTK::DepthPeeling::Dec\n";
   pass->PreReplaceShaderValues(vertexShader, geometryShader, fragmentShader, mapper, volume);
-  const auto declares = [&](
-                          const char* sampler) { return fragmentShader.find(sampler) != std::string::npos; };
-  if (declares("depthRangeTex"))
+  if (declares(fragmentShader, "depthRangeTex"))
   {
     return Stage::Remainder;
   }
-  if (declares("lastFrontColorTex"))
+  if (declares(fragmentShader, "lastFrontColorTex"))
   {
     return Stage::Peel;
   }
-  if (declares("innerDepthTex"))
+  if (declares(fragmentShader, "innerDepthTex"))
   {
     return Stage::Outside;
   }
@@ -230,7 +231,7 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
 
   if (this->CurrentStage == Stage::Remainder)
   {
-    const std::vector<float> range = readTexture(program, "depthRangeTex", GL_RG, 2, width, height);
+    const std::vector<float> range = readDepths(program, "depthRangeTex", width, height);
     for (std::size_t i = 0; i < pixels; ++i)
     {
       if (range[2 * i] != none)
@@ -242,8 +243,8 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
     return;
   }
 
-  const std::vector<float> inner = readTexture(program, "innerDepthTex", GL_RG, 2, width, height);
-  const std::vector<float> outer = readTexture(program, "outerDepthTex", GL_RG, 2, width, height);
+  const std::vector<float> inner = readDepths(program, "innerDepthTex", width, height);
+  const std::vector<float> outer = readDepths(program, "outerDepthTex", width, height);
   if (this->CurrentStage == Stage::Outside)
   {
     // inner: the translucent surfaces, else the opaque one; outer: the opaque surface.
@@ -260,9 +261,7 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
     return;
   }
 
-  // outer: the surfaces of this peel; inner: those of the next one.
-  const std::vector<float> opaque =
-    readTexture(program, "opaqueDepthTex", GL_DEPTH_COMPONENT, 1, width, height);
+  // outer: the surfaces of this peel, or the opaque one; inner: those of the next peel.
   this->LastFrontColorUnit = getTextureUnit(program, "lastFrontColorTex");
   for (std::size_t i = 0; i < pixels; ++i)
   {
@@ -270,21 +269,16 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
     {
       continue;
     }
-    const float nearest = -outer[2 * i];
-    const float farthest = outer[2 * i + 1];
-    const bool last = inner[2 * i] == none;
-    const float frontEnd = last ? farthest : -inner[2 * i];
-    const float backBegin = inner[2 * i + 1];
-    const bool sameSegment = nearest == backBegin && frontEnd == farthest;
-    if (!sameSegment)
+    front.Begin[i] = -outer[2 * i];
+    if (inner[2 * i] == none)
     {
-      front.Begin[i] = nearest;
-      front.End[i] = frontEnd >= opaque[i] ? opaque[i] : frontEnd;
+      front.End[i] = outer[2 * i + 1];
     }
-    if (!last && frontEnd < opaque[i])
+    else
     {
-      back.Begin[i] = backBegin;
-      back.End[i] = farthest;
+      front.End[i] = -inner[2 * i];
+      back.Begin[i] = inner[2 * i + 1];
+      back.End[i] = outer[2 * i + 1];
     }
   }
 }

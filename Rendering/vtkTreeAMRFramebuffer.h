@@ -1,5 +1,4 @@
-// Images of the CPU renderers into VTK's OpenGL framebuffers, and the depth of what is already there out of
-// them.
+// Images of the CPU renderers into VTK's OpenGL framebuffers, and out of them the depth of what is there.
 //
 // Works on whatever framebuffer and viewport are bound for drawing, so that it serves render passes, IceT and
 // multisampled windows as well as plain ones. All OpenGL state is restored: vtkOpenGLState keeps a copy of it

@@ -64,6 +64,7 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "LastNumberOfNodes: " << this->LastNumberOfNodes << endl;
   os << indent << "LastNumberOfCells: " << this->LastNumberOfCells << endl;
   os << indent << "LastNumberOfSamples: " << this->LastNumberOfSamples << endl;
+  os << indent << "BuildSeconds: " << this->BuildSeconds << endl;
 }
 
 //------------------------------------------------------------------------------
@@ -96,6 +97,20 @@ double* vtkTreeAMRVolumeMapper::GetBounds()
   }
   this->Private->BoundsSlot.get(this->GetHyperTreeGrid(), this->Bounds);
   return this->Bounds;
+}
+
+//------------------------------------------------------------------------------
+vtkIdType vtkTreeAMRVolumeMapper::GetNumberOfCells()
+{
+  const auto& field = this->Private->Field;
+  return field ? static_cast<vtkIdType>(field->octree().leafCount()) : 0;
+}
+
+//------------------------------------------------------------------------------
+vtkTypeUInt64 vtkTreeAMRVolumeMapper::GetOctreeBytes()
+{
+  const auto& field = this->Private->Field;
+  return field ? field->byteSize() + field->octree().byteSize() : 0;
 }
 
 //------------------------------------------------------------------------------
@@ -141,10 +156,14 @@ void vtkTreeAMRVolumeMapper::UpdateField()
   selection.name = treeamr::selectedCellArrayName(grid, this->ScalarMode, this->ArrayAccessMode,
     this->ArrayId, this->ArrayName, treeamr::defaultCellArrayName(grid));
   selection.component = this->VectorMode == COMPONENT ? this->VectorComponent : -1;
+  vtkNew<vtkTimerLog> timer;
+  timer->StartTimer();
   const std::shared_ptr<const treeamr::Field>& field =
     this->Private->FieldSlot.acquire(grid, selection, true);
+  timer->StopTimer();
   if (field != this->Private->Field)
   {
+    this->BuildSeconds = timer->GetElapsedTime();
     this->Private->Field = field;
     this->Private->FieldTime.Modified();
     this->Private->TransferFunction.reset();

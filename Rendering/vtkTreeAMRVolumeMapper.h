@@ -75,6 +75,14 @@ public:
   vtkGetMacro(LastNumberOfSamples, vtkIdType);
   ///@}
   ///@{
+  /// Cells of the field in use, bytes of its octree, values, means and ranges, and wall-clock seconds that the
+  /// conversion took when the array was last acquired (next to none when another mapper had made it); 0 before
+  /// the first Render().
+  vtkIdType GetNumberOfCells();
+  vtkTypeUInt64 GetOctreeBytes();
+  vtkGetMacro(BuildSeconds, double);
+  ///@}
+  ///@{
   /// Modification times of the field and of the transfer function's table in use; 0 before the first.
   vtkMTimeType GetFieldBuildTime();
   vtkMTimeType GetTransferFunctionBuildTime();
@@ -100,6 +108,7 @@ protected:
   vtkIdType LastNumberOfNodes = 0;
   vtkIdType LastNumberOfCells = 0;
   vtkIdType LastNumberOfSamples = 0;
+  double BuildSeconds = 0.;
 
 private:
   struct Internals;

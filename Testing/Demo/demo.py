@@ -51,7 +51,7 @@ colors.RGBPoints = [0.3, 0.23, 0.11, 0.33, 0.45, 0.55, 0.16, 0.39, 0.6, 0.93, 0.
                     1.0, 1.0, 1.0, 0.85]
 colors.ColorSpace = "RGB"
 opacities = GetOpacityTransferFunction("mandelbulb")
-opacities.Points = [0.0, 0.0, 0.5, 0.0, 0.3, 0.0, 0.5, 0.0, 0.45, 0.25, 0.5, 0.0, 0.6, 0.7, 0.5, 0.0, 1.0, 1.0, 0.5, 0.0]
+opacities.Points = [0.0, 0.0, 0.5, 0.0, 0.3, 0.0, 0.5, 0.0, 0.45, 0.2, 0.5, 0.0, 0.6, 0.6, 0.5, 0.0, 1.0, 0.9, 0.5, 0.0]
 
 volume = Show(reader, view)
 ColorBy(volume, ("CELLS", "mandelbulb"))
@@ -66,7 +66,7 @@ save(view, "volume")
 
 # The isosurface is a second representation of the same grid: it shares the volume's octree.
 Hide(reader, view)
-same = PassThrough(Input=reader) if "PassThrough" in globals() else HyperTreeGridDepthLimiter(Input=reader)
+same = PassThrough(Input=reader)
 surface = Show(same, view)
 ColorBy(surface, None)
 surface.SetRepresentationType("Tree AMR Isosurface")
@@ -79,7 +79,7 @@ save(view, "isosurface")
 # Both, with a sphere through them; the surface lies inside the volume, so that is drawn fainter.
 Show(reader, view)
 opacities.Points = [0.0, 0.0, 0.5, 0.0, 0.3, 0.0, 0.5, 0.0, 0.6, 0.15, 0.5, 0.0, 1.0, 0.3, 0.5, 0.0]
-sphere = Sphere(Center=[0.85, 0.6, 0.75], Radius=0.22, ThetaResolution=96, PhiResolution=96)
+sphere = Sphere(Center=[0.74, 0.52, 0.68], Radius=0.2, ThetaResolution=96, PhiResolution=96)
 ball = Show(sphere, view)
 ball.DiffuseColor = ball.AmbientColor = [0.2, 0.55, 0.85]
 ball.Specular = 0.4

@@ -194,6 +194,13 @@ TEST_F(IsosurfaceLightingTest, positionalLightsWithConeAndAttenuation)
     bulb->SetAttenuationValues(1., 0.2, 0.3);
     bulb->SetColor(0.3, 0.6, 1.);
     scene.renderer->AddLight(bulb);
+    vtkNew<vtkLight> lamp;
+    lamp->SetLightTypeToCameraLight();
+    lamp->PositionalOn();
+    lamp->SetPosition(0.3, 0.4, 0.6);
+    lamp->SetConeAngle(40.);
+    lamp->SetColor(0.9, 0.3, 0.2);
+    scene.renderer->AddLight(lamp);
   });
 }
 
