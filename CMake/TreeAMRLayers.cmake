@@ -1,5 +1,5 @@
-# The libraries in the order of their dependencies: Core <- Reader <- Rendering <- Plugin/Representations. Included
-# by a build of our own and from ParaView's source tree.
+# The libraries in the order of their dependencies: Core <- Reader <- Rendering <- Plugin/Representations.
+# Included by a build of our own and from ParaView's source tree.
 
 add_subdirectory(Core)
 if (TREEAMR_CORE_ONLY)

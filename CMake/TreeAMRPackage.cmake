@@ -25,7 +25,7 @@ install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
 # treeamr_env(<variable> <root>): the text of env.sh for a build folder or a prefix.
 function (treeamr_env variable root)
-  set(text "# `. env.sh`: afterwards pvpython, paraview and pvbatch find the package treeamr and the plugin.\n")
+  set(text "# `. env.sh`: after it pvpython, pvbatch and paraview find the package treeamr and the plugin\n")
   set(PYTHONPATH "${TREEAMR_PYTHON_DIR}")
   set(PV_PLUGIN_PATH "${TREEAMR_PLUGIN_DIR}")
   foreach (name IN ITEMS PYTHONPATH PV_PLUGIN_PATH)
@@ -40,7 +40,7 @@ treeamr_env(text "${CMAKE_BINARY_DIR}")
 file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/env.sh" CONTENT "${text}" @ONLY)
 # The prefix is known at installation only.
 treeamr_env(text "@CMAKE_INSTALL_PREFIX@")
-file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/env.sh.in" "${text}")
-install(CODE "
-  configure_file(\"${CMAKE_BINARY_DIR}/CMakeFiles/env.sh.in\" \"${CMAKE_BINARY_DIR}/CMakeFiles/env.sh\" @ONLY)")
-install(FILES "${CMAKE_BINARY_DIR}/CMakeFiles/env.sh" DESTINATION "${CMAKE_INSTALL_DATADIR}/treeamr")
+set(env "${CMAKE_BINARY_DIR}/CMakeFiles/env.sh")
+file(WRITE "${env}.in" "${text}")
+install(CODE "configure_file(\"${env}.in\" \"${env}\" @ONLY)")
+install(FILES "${env}" DESTINATION "${CMAKE_INSTALL_DATADIR}/treeamr")

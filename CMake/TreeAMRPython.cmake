@@ -13,7 +13,6 @@ vtk_module_wrap_python(
   INSTALL_HEADERS OFF)
 set(CMAKE_INSTALL_RPATH "$ORIGIN")
 
-configure_file(Plugin/Python/__init__.py.in "${CMAKE_BINARY_DIR}/${TREEAMR_PYTHON_DIR}/treeamr/__init__.py" @ONLY)
-install(
-  FILES "${CMAKE_BINARY_DIR}/${TREEAMR_PYTHON_DIR}/treeamr/__init__.py"
-  DESTINATION "${TREEAMR_PYTHON_DIR}/treeamr")
+set(init "${CMAKE_BINARY_DIR}/${TREEAMR_PYTHON_DIR}/treeamr/__init__.py")
+configure_file(Plugin/Python/__init__.py.in "${init}" @ONLY)
+install(FILES "${init}" DESTINATION "${TREEAMR_PYTHON_DIR}/treeamr")

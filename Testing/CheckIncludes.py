@@ -86,8 +86,8 @@ class SelfTest(unittest.TestCase):
 
     def test_foreign(self):
         for layer, name in [("Core", "<vtkNew.h>"), ("Core", '"vtkNew.h"'), ("Core", "<mpi.h>"),
-                            ("Core", "<QWidget>"), ("Reader", '"vtkPVView.h"'), ("Rendering", '"vtkSMProxy.h"'),
-                            ("Rendering", '"pqView.h"')]:
+                            ("Core", "<QWidget>"), ("Reader", '"vtkPVView.h"'),
+                            ("Rendering", '"vtkSMProxy.h"'), ("Rendering", '"pqView.h"')]:
             self.assertEqual(1, len(self.check({f"{layer}/a.h": [name]})), (layer, name))
 
     def test_p4est(self):

@@ -43,7 +43,7 @@ void vtkSMTreeAMRIsosurfaceRepresentationProxy::UpdateVTKObjects()
     vtkSMProperty* isovalue = this->GetProperty("Isovalue");
     auto range = vtkSMArrayRangeDomain::SafeDownCast(isovalue->GetDomain("range"));
     const double value = vtkSMPropertyHelper(isovalue).GetAsDouble();
-    // IsInDomains() cannot be asked: in ParaView 5.11 it denies values inside a range and affirms those outside.
+    // IsInDomains() cannot be asked: in ParaView 5.11 it denies values inside a range and affirms others.
     if (range && range->GetMinimumExists(0) && range->GetMaximumExists(0) &&
       !(range->GetMinimum(0) <= value && value <= range->GetMaximum(0)))
     {

@@ -1,5 +1,5 @@
-// Keeps the isovalue inside the range of the contoured array: when another array or component is chosen and the
-// value lies outside its range, the value moves to the middle, as it starts. Without this the surface would vanish.
+// Keeps the isovalue inside the range of the contoured array: when another array or component is chosen and
+// the value lies outside its range, it moves to the middle, where it starts. Else the surface would vanish.
 
 #ifndef vtkSMTreeAMRIsosurfaceRepresentationProxy_h
 #define vtkSMTreeAMRIsosurfaceRepresentationProxy_h

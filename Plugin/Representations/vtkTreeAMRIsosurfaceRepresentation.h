@@ -18,7 +18,7 @@ public:
   vtkTypeMacro(vtkTreeAMRIsosurfaceRepresentation, vtkTreeAMRRepresentation);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// The contoured cell array, in the five values of an array property; only the name counts. Empty: the first.
+  /// The contoured cell array, in the five values of an array property: its name counts. Empty: the first.
   void SetIsosurfaceArray(int index, int port, int connection, int association, const char* name);
   /// The contoured component. The number of components, or more: the magnitude.
   void SetIsosurfaceComponent(int component);

@@ -1,7 +1,8 @@
-// What the volume and the isosurface representation share: one vtkHyperTreeGrid that stays on its rank, and a prop.
+// What the volume and the isosurface representation share: one vtkHyperTreeGrid that stays on its rank, and a
+// prop.
 //
-// A hyper tree grid cannot be moved between ranks by ParaView, so each rank renders what it holds and the images
-// are composited. The input may be composite when it holds one grid.
+// ParaView cannot move a hyper tree grid between ranks, so each rank renders what it holds and the images are
+// composited. The input may be composite when it holds one grid.
 
 #ifndef vtkTreeAMRRepresentation_h
 #define vtkTreeAMRRepresentation_h

@@ -22,8 +22,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// Colours and opacities of the array chosen in the Coloring section. While none is chosen, the first array of
-  /// the grid is drawn from blue to red and from transparent to opaque over its range.
+  /// Colours and opacities of the array chosen in the Coloring section. While none is chosen, the first array
+  /// of the grid is drawn from blue to red and from transparent to opaque over its range.
   void SetColor(vtkColorTransferFunction* colors);
   void SetScalarOpacity(vtkPiecewiseFunction* opacities);
   ///@}

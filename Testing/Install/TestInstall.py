@@ -12,7 +12,7 @@ import sys
 
 parser = argparse.ArgumentParser()
 parser.add_argument("--python", action="store_true", help="there is a Python package")
-parser.add_argument("--pvpython", help="there is a plugin, and the Python package works with this interpreter")
+parser.add_argument("--pvpython", help="there is a plugin; the interpreter that has our VTK")
 parser.add_argument("cmake")
 parser.add_argument("build", type=pathlib.Path)
 parser.add_argument("scratch", type=pathlib.Path)

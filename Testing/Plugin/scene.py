@@ -13,8 +13,8 @@ BACKGROUND = (0, 0, 0)
 
 
 class TestCase(unittest.TestCase):
-    """Each test has a session of its own. What it keeps in its attributes must be released before the next one:
-    a view that outlives its session takes the OpenGL context with it."""
+    """Each test has a session of its own. What it keeps in its attributes must be released before the next
+    one: a view that outlives its session takes the OpenGL context with it."""
 
     def setUp(self):
         simple.ResetSession()
@@ -53,8 +53,7 @@ def look(render_view, direction=(1, 0.8, 2)):
 
 
 def picture(render_view, name):
-    """The picture as an array [row, column, rgb] of 0 to 255; also saved, as <name>.png in the folder that is the
-    test's last argument."""
+    """The picture as load() has it, also saved as <name>.png in the folder that is the last argument."""
     path = os.path.join(sys.argv[-1], name + ".png")
     simple.SaveScreenshot(path, render_view)
     return load(path)
