@@ -6,7 +6,7 @@ PACKAGES = \
   paraview-dev python3-paraview libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
   libembree-dev libtbb-dev libhwy-dev \
   paraview openmpi-bin libqt5svg5 libgl1-mesa-dri xvfb xauth \
-  libgtest-dev libp4est-dev
+  libgtest-dev libp4est-dev imagemagick
 
 PREFIX = /usr/local
 BUILD = build

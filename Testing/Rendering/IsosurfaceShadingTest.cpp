@@ -226,7 +226,7 @@ TEST_F(IsosurfaceLightingTest, ambientOcclusion)
     scene.renderer->SetSSAOBias(0.01);
   });
   const double sum = std::accumulate(differences.begin(), differences.end(), 0.);
-  EXPECT_LE(sum / static_cast<double>(differences.size()), 2. * eightBits);
+  EXPECT_LE(sum / static_cast<double>(differences.size()), eightBits);
 }
 
 TEST_F(IsosurfaceColorTest, anotherArray)
