@@ -4,7 +4,7 @@
 PACKAGES = \
   g++ cmake ninja-build \
   paraview-dev python3-paraview libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
-  libembree-dev libtbb-dev \
+  libembree-dev libtbb-dev libhwy-dev \
   paraview openmpi-bin libqt5svg5 libgl1-mesa-dri xvfb xauth \
   libgtest-dev libp4est-dev imagemagick
 

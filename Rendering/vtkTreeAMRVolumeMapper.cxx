@@ -6,6 +6,7 @@
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
+#include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeRenderer.h"
 
 #include "vtkCommand.h"
@@ -37,6 +38,8 @@ struct vtkTreeAMRVolumeMapper::Internals
 
   std::shared_ptr<const treeamr::Field> Field;
   vtkTimeStamp FieldTime;
+  std::unique_ptr<treeamr::VertexCache> Kept; // of this field, of this size in MiB
+  int KeptSize = 0;
   // Of this property at this time, for this field.
   std::optional<treeamr::TransferFunction> TransferFunction;
   vtkVolumeProperty* Property = nullptr; // not dereferenced
@@ -61,6 +64,7 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "VectorComponent: " << this->VectorComponent << endl;
   os << indent << "SamplesPerCell: " << this->SamplesPerCell << endl;
   os << indent << "SkipEmptySpace: " << this->SkipEmptySpace << endl;
+  os << indent << "VertexCacheSize: " << this->VertexCacheSize << endl;
   os << indent << "LastNumberOfNodes: " << this->LastNumberOfNodes << endl;
   os << indent << "LastNumberOfCells: " << this->LastNumberOfCells << endl;
   os << indent << "LastNumberOfSamples: " << this->LastNumberOfSamples << endl;
@@ -165,8 +169,22 @@ void vtkTreeAMRVolumeMapper::UpdateField()
   {
     this->BuildSeconds = timer->GetElapsedTime();
     this->Private->Field = field;
+    this->Private->Kept.reset();
     this->Private->FieldTime.Modified();
     this->Private->TransferFunction.reset();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateVertexCache()
+{
+  Internals& internals = *this->Private;
+  if (!internals.Kept || internals.KeptSize != this->VertexCacheSize)
+  {
+    internals.Kept.reset(); // before the new one is allocated
+    internals.Kept = std::make_unique<treeamr::VertexCache>(
+      internals.Field->octree().leafCount(), static_cast<std::size_t>(this->VertexCacheSize) << 20);
+    internals.KeptSize = this->VertexCacheSize;
   }
 }
 
@@ -193,6 +211,7 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   Internals& internals = *this->Private;
   this->CheckSettings();
   this->UpdateField();
+  this->UpdateVertexCache();
   this->UpdateTransferFunction(volume);
 
   const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
@@ -201,8 +220,8 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   const treeamr::VolumeSettings settings{ this->SamplesPerCell, this->SkipEmptySpace };
   treeamr::VolumeStatistics statistics;
   const auto trace = [&](const treeamr::DepthInterval& interval, treeamr::Image& image) {
-    statistics +=
-      treeamr::renderVolume(*internals.Field, *internals.TransferFunction, camera, interval, settings, image);
+    statistics += treeamr::renderVolume(
+      *internals.Field, *internals.TransferFunction, camera, interval, settings, *internals.Kept, image);
   };
 
   treeamr::Image image(viewport.Width, viewport.Height);

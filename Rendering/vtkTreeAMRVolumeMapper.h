@@ -62,6 +62,12 @@ public:
   vtkGetMacro(SamplesPerCell, double);
   ///@}
   ///@{
+  /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed again; 0
+  /// keeps none. Only what was seen takes memory. Never changes a pixel. Default 512.
+  vtkSetClampMacro(VertexCacheSize, int, 0, VTK_INT_MAX);
+  vtkGetMacro(VertexCacheSize, int);
+  ///@}
+  ///@{
   /// Leave out subtrees that the opacity function makes transparent. Never changes a pixel. Default on.
   vtkSetMacro(SkipEmptySpace, bool);
   vtkGetMacro(SkipEmptySpace, bool);
@@ -69,7 +75,8 @@ public:
   ///@}
 
   ///@{
-  /// What the last Render() did: inner nodes of the octree entered, cells and samples evaluated.
+  /// What the last Render() did: inner nodes of the octree entered, cells whose values were reconstructed (not
+  /// found kept) and samples along rays.
   vtkGetMacro(LastNumberOfNodes, vtkIdType);
   vtkGetMacro(LastNumberOfCells, vtkIdType);
   vtkGetMacro(LastNumberOfSamples, vtkIdType);
@@ -105,6 +112,7 @@ protected:
   int VectorComponent = 0;
   double SamplesPerCell = 2.;
   bool SkipEmptySpace = true;
+  int VertexCacheSize = 512;
   vtkIdType LastNumberOfNodes = 0;
   vtkIdType LastNumberOfCells = 0;
   vtkIdType LastNumberOfSamples = 0;
@@ -115,6 +123,7 @@ private:
 
   void CheckSettings();
   void UpdateField();
+  void UpdateVertexCache();
   void UpdateTransferFunction(vtkVolume* volume);
   void RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
   void Report(const char* message, vtkVolume* volume);

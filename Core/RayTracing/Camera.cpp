@@ -151,18 +151,20 @@ Ray Camera::ray(int px, int py) const noexcept
   return ray;
 }
 
-double Camera::tFromDepth(int px, int py, const Ray& ray, double depth) const noexcept
+double Camera::tFromDepth(const Ray& ray, double depth) const noexcept
 {
-  const Vec3 p =
-    unproject(2. * (px + 0.5) / width_ - 1., 2. * (py + 0.5) / height_ - 1., 2. * depth - 1.);
+  // Points of one depth form the plane (row z - NDC z * row w) . p = 0.
+  const Matrix4& m = clipFromData_;
+  const double z = 2. * depth - 1.;
+  double atOrigin = m[11] - z * m[15];
   double along = 0.;
-  double squared = 0.;
   for (int a = 0; a < 3; ++a)
   {
-    along += (p[a] - ray.origin[a]) * ray.direction[a];
-    squared += ray.direction[a] * ray.direction[a];
+    const double normal = m[8 + a] - z * m[12 + a];
+    atOrigin += normal * ray.origin[a];
+    along += normal * ray.direction[a];
   }
-  return along / squared;
+  return -atOrigin / along;
 }
 
 double Camera::depthFromT(const Ray& ray, double t) const noexcept

@@ -33,8 +33,8 @@ public:
 
   /// The ray through the centre of a pixel. Its origin is the eye, or a point of the near plane.
   Ray ray(int x, int y) const noexcept;
-  /// t at a window depth in [0, 1] (0 = near plane) along the pixel's ray.
-  double tFromDepth(int x, int y, const Ray& ray, double depth) const noexcept;
+  /// t at a window depth in [0, 1] (0 = near plane) along the ray.
+  double tFromDepth(const Ray& ray, double depth) const noexcept;
   /// Window depth of the point at t.
   double depthFromT(const Ray& ray, double t) const noexcept;
 

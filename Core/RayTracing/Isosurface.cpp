@@ -414,7 +414,7 @@ void Isosurface::render(const Camera& camera, HitImage& hits) const
       {
         const Ray ray = camera.ray(x, y);
         Hit hit;
-        if (!intersect(ray, camera.tFromDepth(x, y, ray, 0.), camera.tFromDepth(x, y, ray, 1.), hit))
+        if (!intersect(ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), hit))
         {
           continue;
         }

@@ -38,13 +38,12 @@ TransferFunction::TransferFunction(double min, double max, std::vector<Entry> en
 
 float TransferFunction::extinctionFromOpacity(double opacity, double unitDistance) noexcept
 {
-  // Opaque stays opaque over any step, yet finite, so that interpolation beside it makes no NaN.
-  constexpr double opaque = 1e30;
   if (!(opacity > 0.))
   {
     return 0.f;
   }
-  return static_cast<float>(opacity < 1. ? std::min(opaque, -std::log1p(-opacity) / unitDistance) : opaque);
+  return static_cast<float>(opacity < 1. ? std::min(opaqueExtinction, -std::log1p(-opacity) / unitDistance)
+                                          : opaqueExtinction);
 }
 
 double TransferFunction::position(float value) const noexcept

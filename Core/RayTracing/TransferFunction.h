@@ -23,8 +23,15 @@ public:
   /// extinction.
   TransferFunction(double min, double max, std::vector<Entry> entries);
 
+  /// Opaque over any step, yet finite, so that interpolation beside it makes no NaN.
+  static constexpr double opaqueExtinction = 1e30;
   /// Extinction per world length of a volume whose opacity over `unitDistance` is `opacity`.
   static float extinctionFromOpacity(double opacity, double unitDistance) noexcept;
+
+  double min() const noexcept { return min_; }
+  /// Entries per unit of value.
+  double scale() const noexcept { return scale_; }
+  const std::vector<Entry>& entries() const noexcept { return entries_; }
 
   Entry at(float value) const noexcept;
   /// Whether some value of the range has extinction: exact, so that skipping by it never changes a pixel.

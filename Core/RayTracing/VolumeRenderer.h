@@ -11,6 +11,8 @@
 namespace treeamr
 {
 
+class VertexCache;
+
 /// The part of each pixel's ray to render, in window depths [0, 1]; nothing where begin >= end.
 /// A null pointer stands for 0 (begin) or 1 (end) everywhere. width * height entries, lower left first.
 struct DepthInterval
@@ -26,13 +28,16 @@ struct VolumeSettings
   static constexpr double maxSamplesPerCell = 1e6;
   /// Leave out nodes whose range is transparent. Never changes a pixel; off only to test that.
   bool skipEmpty = true;
+
+  /// Budget of a VertexCache that suits most scenes.
+  static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
 };
 
 /// What a frame did.
 struct VolumeStatistics
 {
   std::uint64_t nodes = 0;   // inner nodes entered
-  std::uint64_t cells = 0;   // cells whose vertex values were computed
+  std::uint64_t cells = 0;   // whose vertex values were computed, not found kept
   std::uint64_t samples = 0; // of the field along rays
 
   VolumeStatistics& operator+=(const VolumeStatistics& other) noexcept
@@ -44,8 +49,12 @@ struct VolumeStatistics
   }
 };
 
-/// Renders into `image` (overwritten), on all threads. The field needs its node ranges. Throws Error when the
-/// image's size is not the camera's or the settings are not finite and positive.
+/// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds what
+/// the next frame need not compute again. The field needs its node ranges if settings.skipEmpty. Throws Error
+/// when the image's size is not the camera's or the settings are not finite and positive.
+VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept, Image& image);
+/// The same for a single frame.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const DepthInterval& interval, const VolumeSettings& settings, Image& image);
 

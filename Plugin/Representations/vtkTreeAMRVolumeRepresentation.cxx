@@ -131,3 +131,9 @@ void vtkTreeAMRVolumeRepresentation::SetSamplesPerCell(double samples)
 {
   this->Mapper->SetSamplesPerCell(samples);
 }
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetVertexCacheSize(int size)
+{
+  this->Mapper->SetVertexCacheSize(size);
+}

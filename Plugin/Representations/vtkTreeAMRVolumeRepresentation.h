@@ -32,6 +32,8 @@ public:
   void SetScalarOpacityUnitDistance(double distance);
   /// Samples along each cell's width.
   void SetSamplesPerCell(double samples);
+  /// Memory in MiB for values kept from frame to frame.
+  void SetVertexCacheSize(int size);
 
 protected:
   vtkTreeAMRVolumeRepresentation();

@@ -4,13 +4,13 @@
 #include "RayTracing/Isosurface.h"
 #include "RayTracing/Shading.h"
 #include "RayTracing/VolumeRenderer.h"
+#include "Support/Cameras.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 using namespace treeamr;
@@ -18,66 +18,6 @@ using namespace treeamr::test;
 
 namespace
 {
-
-constexpr Matrix4 identity{ 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
-
-Matrix4 multiply(const Matrix4& a, const Matrix4& b)
-{
-  Matrix4 m{};
-  for (int r = 0; r < 4; ++r)
-  {
-    for (int c = 0; c < 4; ++c)
-    {
-      for (int k = 0; k < 4; ++k)
-      {
-        m[4 * r + c] += a[4 * r + k] * b[4 * k + c];
-      }
-    }
-  }
-  return m;
-}
-
-Vec3 operator-(const Vec3& a, const Vec3& b)
-{
-  return { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
-}
-
-Vec3 unit(const Vec3& v)
-{
-  const double n = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  return { v[0] / n, v[1] / n, v[2] / n };
-}
-
-Vec3 cross(const Vec3& a, const Vec3& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
-
-double dot(const Vec3& a, const Vec3& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Matrix4 view(const Vec3& eye, const Vec3& target)
-{
-  const Vec3 back = unit(eye - target);
-  const Vec3 right = unit(cross({ 0.1, 1., 0.2 }, back));
-  const Vec3 up = cross(back, right);
-  return { right[0], right[1], right[2], -dot(right, eye), up[0], up[1], up[2], -dot(up, eye), back[0], back[1],
-    back[2], -dot(back, eye), 0, 0, 0, 1 };
-}
-
-Matrix4 perspective(double degrees, double near, double far)
-{
-  const double f = 1. / std::tan(degrees * std::numbers::pi / 360.);
-  return { f, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), 2. * far * near / (near - far), 0, 0, -1, 0 };
-}
-
-Matrix4 parallel(double halfHeight, double near, double far)
-{
-  return { 1. / halfHeight, 0, 0, 0, 0, 1. / halfHeight, 0, 0, 0, 0, 2. / (near - far),
-    (far + near) / (near - far), 0, 0, 0, 1 };
-}
 
 std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
 {
@@ -131,7 +71,7 @@ TEST(Camera, RoundTripsPixelsAndDepths)
   const Matrix4 model{ 2, 0.3, 0, 5, 0, 1, 0.1, -3, 0.2, 0, 3, 1, 0, 0, 0, 1 };
   for (const Matrix4& projection : { perspective(40., 0.1, 50.), parallel(2., 0.1, 50.) })
   {
-    const Matrix4 clip = multiply(projection, multiply(view({ 9., 2., 7. }, { 5., -3., 1. }), model));
+    const Matrix4 clip = multiply(projection, multiply(lookAt({ 9., 2., 7. }, { 5., -3., 1. }), model));
     const Camera camera(clip, model, 31, 17);
     for (int i = 0; i < 31 * 17; ++i)
     {
@@ -140,7 +80,7 @@ TEST(Camera, RoundTripsPixelsAndDepths)
       const Ray ray = camera.ray(x, y);
       for (const double depth : { 0., 0.3, 0.9, 1. })
       {
-        const double t = camera.tFromDepth(x, y, ray, depth);
+        const double t = camera.tFromDepth(ray, depth);
         EXPECT_NEAR(camera.depthFromT(ray, t), depth, 1e-12);
         // The point projects to the pixel's centre, and t is a length in world coordinates.
         double h[4];
@@ -163,13 +103,13 @@ TEST(Camera, RoundTripsPixelsAndDepths)
         }
         EXPECT_NEAR(squared, 1., 1e-12);
       }
-      EXPECT_LT(camera.tFromDepth(x, y, ray, 0.2), camera.tFromDepth(x, y, ray, 0.4));
+      EXPECT_LT(camera.tFromDepth(ray, 0.2), camera.tFromDepth(ray, 0.4));
     }
   }
-  Matrix4 singular = identity;
+  Matrix4 singular = identityMatrix;
   singular[5] = 0.;
-  EXPECT_THROW(Camera(singular, identity, 4, 4), Error);
-  EXPECT_THROW(Camera(identity, identity, 0, 4), Error);
+  EXPECT_THROW(Camera(singular, identityMatrix, 4, 4), Error);
+  EXPECT_THROW(Camera(identityMatrix, identityMatrix, 0, 4), Error);
 }
 
 TEST(TransferFunction, KnowsWhereItIsVisible)
@@ -210,12 +150,12 @@ TEST(Volume, HomogeneousCubeIsExact)
   setValues(cells, [](const auto&) { return 0.25; });
   const auto field = makeField(unitCube(), cells);
   // Outside, inside, and parallel.
-  const Matrix4 cameras[]{ multiply(perspective(50., 0.1, 9.), view({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })),
-    multiply(perspective(80., 1e-4, 9.), view({ 0.4, 0.45, 0.6 }, { 0.9, 0.2, 0.1 })),
-    multiply(parallel(0.9, 0.1, 9.), view({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })) };
+  const Matrix4 cameras[]{ multiply(perspective(50., 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })),
+    multiply(perspective(80., 1e-4, 9.), lookAt({ 0.4, 0.45, 0.6 }, { 0.9, 0.2, 0.1 })),
+    multiply(parallel(0.9, 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })) };
   for (const Matrix4& clip : cameras)
   {
-    const Camera camera(clip, identity, 64, 48);
+    const Camera camera(clip, identityMatrix, 64, 48);
     Image image(64, 48);
     const auto statistics = renderVolume(*field, constant(1.5f), camera, {}, {}, image);
     EXPECT_GT(statistics.samples, 1000u);
@@ -224,7 +164,7 @@ TEST(Volume, HomogeneousCubeIsExact)
       for (int x = 0; x < 64; ++x)
       {
         Ray ray = camera.ray(x, y);
-        const double near = camera.tFromDepth(x, y, ray, 0.);
+        const double near = camera.tFromDepth(ray, 0.);
         for (int a = 0; a < 3; ++a)
         {
           ray.origin[a] += near * ray.direction[a];
@@ -248,7 +188,7 @@ TEST(Volume, SkippingNeverChangesABit)
       RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
     const Vec3 middle{ 0.5 * options.roots[0], 0.5 * options.roots[1], 0.5 * options.roots[2] };
     const Camera camera(
-      multiply(perspective(40., 0.1, 99.), view({ 5., 4., 6. }, middle)), identity, 61, 53);
+      multiply(perspective(40., 0.1, 99.), lookAt({ 5., 4., 6. }, middle)), identityMatrix, 61, 53);
     Image with(61, 53);
     Image without(61, 53);
     VolumeSettings settings;
@@ -267,7 +207,7 @@ TEST(Volume, PartsOfARayComposeToTheWhole)
   const auto field = makeField(
     RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
   const Camera camera(
-    multiply(perspective(40., 1., 9.), view({ 4., 3., 3.5 }, { 1., 1., 1. })), identity, 40, 40);
+    multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 40, 40);
   VolumeSettings settings;
   settings.samplesPerCell = 256.; // cutting a ray moves its samples
   const std::vector<float> cut(1600, 0.85f);
@@ -293,7 +233,7 @@ TEST(Volume, ConvergesWithTheStep)
   const auto field = makeField(
     RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
   const Camera camera(
-    multiply(perspective(40., 1., 9.), view({ 4., 3., 3.5 }, { 1., 1., 1. })), identity, 40, 40);
+    multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 40, 40);
   const auto render = [&](double samplesPerCell) {
     Image image(40, 40);
     renderVolume(*field, partial(), camera, {}, { samplesPerCell, true }, image);
@@ -320,7 +260,7 @@ TEST(Volume, ConvergesWithTheStep)
 TEST(Volume, RejectsBadSettings)
 {
   const auto field = makeField(unitCube(), { { {}, 0.5f } });
-  const Camera camera(multiply(perspective(40., 1., 9.), view({ 4., 3., 3.5 }, { 0., 0., 0. })), identity, 8, 8);
+  const Camera camera(multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 0., 0., 0. })), identityMatrix, 8, 8);
   Image wrong(8, 9);
   Image right(8, 8);
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, wrong), Error);
@@ -432,7 +372,7 @@ TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
   const auto field = makeField(RootGrid::uniform({ 4, 4, 4 }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
   const Isosurface surface(field, 6.5f);
   const Camera camera(
-    multiply(perspective(40., 1., 30.), view({ 9., 8., 7. }, { 2., 2., 2. })), identity, 300, 300);
+    multiply(perspective(40., 1., 30.), lookAt({ 9., 8., 7. }, { 2., 2., 2. })), identityMatrix, 300, 300);
   HitImage hits;
   surface.render(camera, hits);
   int interior = 0;

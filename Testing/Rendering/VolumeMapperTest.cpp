@@ -199,6 +199,7 @@ TEST_F(VolumeMapperTest, skippingChangesNoBit)
   volume->GetProperty()->SetScalarOpacity(opacity);
   scene.setCamera();
   vtkTreeAMRVolumeMapper* mapper = Scene::mapperOf(volume);
+  mapper->SetVertexCacheSize(0); // counts every cell of every frame
   const auto skipping = scene.render();
   const vtkIdType cells = mapper->GetLastNumberOfCells();
   const vtkIdType nodes = mapper->GetLastNumberOfNodes();
@@ -208,6 +209,22 @@ TEST_F(VolumeMapperTest, skippingChangesNoBit)
   EXPECT_GT(mapper->GetLastNumberOfCells(), cells);
   EXPECT_GT(mapper->GetLastNumberOfNodes(), nodes);
   EXPECT_GT(nodes, 0);
+}
+
+TEST_F(VolumeMapperTest, keepsValuesBetweenFrames)
+{
+  Scene scene;
+  scene.useFloatTarget();
+  vtkVolume* volume = scene.addVolume(makeTestGrid(), "x", orange, extinction);
+  scene.setCamera();
+  vtkTreeAMRVolumeMapper* mapper = Scene::mapperOf(volume);
+  const auto first = scene.render();
+  EXPECT_GT(mapper->GetLastNumberOfCells(), 0);
+  EXPECT_EQ(scene.render(), first);
+  EXPECT_EQ(mapper->GetLastNumberOfCells(), 0);
+  mapper->SetVertexCacheSize(0);
+  EXPECT_EQ(scene.render(), first);
+  EXPECT_GT(mapper->GetLastNumberOfCells(), 0);
 }
 
 TEST_F(VolumeMapperTest, moreSamplesPerCell)
