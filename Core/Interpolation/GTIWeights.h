@@ -2,8 +2,8 @@
 //
 // A lattice vertex in the middle of 2^d slots takes its value from one data point per slot, at distance h/2
 // along each of the d axes from an unrefined slot and h/4 from a refined one. With the d-linear basis phi
-// (1, x, y, xy, ...) and V_ij = phi_j(x_i), the weights c solve V^T c = e1. The scan of the paper's Table 5 is
-// damaged, and its released code misses a case of it: solving the system leaves nothing to mistype.
+// (1, x, y, xy, ...) and V_ij = phi_j(x_i), the weights c solve V^T c = e1. The scan of the paper's Table 5
+// is damaged, and its released code misses a case of it: solving the system leaves nothing to mistype.
 #pragma once
 
 #include <array>

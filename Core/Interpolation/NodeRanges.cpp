@@ -62,8 +62,7 @@ public:
     {
       if (!path.octree().child(node, o).isNone())
       {
-        all = first ? parts[o]
-                    : Range{ std::min(all.min, parts[o].min), std::max(all.max, parts[o].max) };
+        all = first ? parts[o] : Range{ std::min(all.min, parts[o].min), std::max(all.max, parts[o].max) };
         first = false;
       }
     }

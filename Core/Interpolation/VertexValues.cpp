@@ -25,8 +25,8 @@ struct Slot
 
 struct VertexSlots
 {
-  std::uint8_t dimensions;  // axes along which the vertex separates slots
-  std::uint32_t entries;    // mask of the slots' places in a neighbourhood
+  std::uint8_t dimensions; // axes along which the vertex separates slots
+  std::uint32_t entries;   // mask of the slots' places in a neighbourhood
   std::array<Slot, 8> slot;
 };
 
@@ -212,9 +212,9 @@ private:
   const Field& field_;
 };
 
-/// Where all 27 cells are leaves of one level every vertex is a mean, and a mean of means along one axis after
-/// the other. In double precision the sums are exact for values of like size, so a neighbour that takes the
-/// general way gets the same bits.
+/// Where all 27 cells are leaves of one level every vertex is a mean, and a mean of means along one axis
+/// after the other. In double precision the sums are exact for values of like size, so a neighbour that takes
+/// the general way gets the same bits.
 VertexValues uniformValues(std::array<double, 27> v) noexcept
 {
   for (int stride = 1; stride < 27; stride *= 3)

@@ -18,8 +18,8 @@ struct Range
 class Field
 {
 public:
-  /// values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the octree).
-  /// Computes the means: volume-weighted over the leaves below, in lattice volume.
+  /// values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
+  /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume.
   Field(std::shared_ptr<const Octree> octree, std::vector<float> values);
 
   const Octree& octree() const noexcept { return *octree_; }
@@ -37,7 +37,8 @@ public:
   /// Range of the GTI reconstruction inside the inner node. Needs computeRanges().
   Range nodeRange(NodeRef inner) const noexcept { return ranges_[inner.index()]; }
   bool hasNodeRanges() const noexcept { return !ranges_.empty() || octree_->innerCount() == 0; }
-  /// Ranges are for skipping: who only asks for values leaves them out. Defined in Interpolation/NodeRanges.cpp.
+  /// Ranges are for skipping: who only asks for values leaves them out. Defined in
+  /// Interpolation/NodeRanges.cpp.
   void computeNodeRanges();
 
   /// Allocated bytes, without the octree.

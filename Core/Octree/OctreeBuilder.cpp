@@ -107,8 +107,8 @@ public:
     const CellId root{ index, 0 };
     const auto begin = std::lower_bound(cells_.begin(), cells_.end(), root,
       [](const LeafCell& c, const CellId& r) { return mortonLess(c.cell, r); });
-    const auto end = std::partition_point(
-      begin, cells_.end(), [&](const LeafCell& c) { return contains(root, c.cell); });
+    const auto end =
+      std::partition_point(begin, cells_.end(), [&](const LeafCell& c) { return contains(root, c.cell); });
     handle = { static_cast<std::uint64_t>(begin - cells_.begin()),
       static_cast<std::uint64_t>(end - cells_.begin()), 0 };
     return begin != end;
@@ -125,13 +125,15 @@ public:
   {
     const auto octantOf = [&](const LeafCell& c) {
       const int up = c.cell.level - h.level - 1;
-      return static_cast<int>((c.cell.index[0] >> up & 1) | (c.cell.index[1] >> up & 1) << 1 |
-        (c.cell.index[2] >> up & 1) << 2);
+      return static_cast<int>(
+        (c.cell.index[0] >> up & 1) | (c.cell.index[1] >> up & 1) << 1 | (c.cell.index[2] >> up & 1) << 2);
     };
     const auto begin = cells_.begin() + h.begin;
     const auto end = cells_.begin() + h.end;
-    const auto first = std::partition_point(begin, end, [&](const LeafCell& c) { return octantOf(c) < octant; });
-    const auto last = std::partition_point(first, end, [&](const LeafCell& c) { return octantOf(c) == octant; });
+    const auto first =
+      std::partition_point(begin, end, [&](const LeafCell& c) { return octantOf(c) < octant; });
+    const auto last =
+      std::partition_point(first, end, [&](const LeafCell& c) { return octantOf(c) == octant; });
     return { static_cast<std::uint64_t>(first - cells_.begin()),
       static_cast<std::uint64_t>(last - cells_.begin()), h.level + 1 };
   }

@@ -2,12 +2,12 @@
 //
 // A Source has
 //   using Handle = ...;                                   a trivially copyable name of a node
-//   bool root(const std::array<Coord, 3>&, Handle&) const; the tree at a place of the root lattice; false: none
+//   bool root(const std::array<Coord, 3>&, Handle&) const; the tree at a place of the lattice; false: none
 //   NodeKind kind(const Handle&) const;                   never Inner when no leaf is below
-//   Handle child(const Handle&, int octant) const;        of a node whose kind is Inner (None children included)
+//   Handle child(const Handle&, int octant) const;        of an inner node, children of kind None included
 //   float value(const Handle&) const;                     of a leaf
+//   bool ghosts() const;                                  whether isGhost() may be true of any leaf
 //   bool isGhost(const Handle&) const;                    of a leaf
-//   static constexpr bool hasGhosts / bool ...            whether isGhost is ever true: bool ghosts() const
 // and is called from several threads at once.
 #pragma once
 

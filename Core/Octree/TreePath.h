@@ -10,8 +10,8 @@
 namespace treeamr
 {
 
-/// The 3 x 3 x 3 nodes around a node, itself in the middle; entry (dx + 1) + 3 (dy + 1) + 9 (dz + 1). Each is a
-/// node of the same depth, a coarser leaf that covers the place, or none.
+/// The 3 x 3 x 3 nodes around a node, itself in the middle; entry (dx + 1) + 3 (dy + 1) + 9 (dz + 1). Each is
+/// a node of the same depth, a coarser leaf that covers the place, or none.
 using Neighbourhood = std::array<NodeRef, 27>;
 
 class TreePath

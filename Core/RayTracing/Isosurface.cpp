@@ -268,7 +268,8 @@ struct Isosurface::Impl
       return false;
     }
     double root;
-    if (!firstRoot(alongRay(octant, isovalue, localAt(box, query.ray, t0), localAt(box, query.ray, t1)), root))
+    if (!firstRoot(
+          alongRay(octant, isovalue, localAt(box, query.ray, t0), localAt(box, query.ray, t1)), root))
     {
       return false;
     }
@@ -281,8 +282,8 @@ struct Isosurface::Impl
     Vec3 p;
     for (int a = 0; a < 3; ++a)
     {
-      p[a] = std::clamp(
-        (ray.origin[a] + t * ray.direction[a] - box.min[a]) / (box.max[a] - box.min[a]), 0., 1.);
+      p[a] =
+        std::clamp((ray.origin[a] + t * ray.direction[a] - box.min[a]) / (box.max[a] - box.min[a]), 0., 1.);
     }
     return p;
   }
@@ -377,7 +378,8 @@ bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, Hit& hit) c
   for (int a = 0; a < 3; ++a)
   {
     const double extent = impl_->domain.max[a] - impl_->domain.min[a];
-    origin[a] = static_cast<float>((ray.origin[a] + tEnter * ray.direction[a] - impl_->domain.min[a]) / extent);
+    origin[a] =
+      static_cast<float>((ray.origin[a] + tEnter * ray.direction[a] - impl_->domain.min[a]) / extent);
     direction[a] = static_cast<float>(ray.direction[a] * (tLeave - tEnter) / extent);
   }
   rayHit.ray.tnear = 0.f;

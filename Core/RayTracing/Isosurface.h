@@ -15,9 +15,9 @@ namespace treeamr
 /// The first hit of each pixel's ray; width * height entries, lower left first.
 struct HitImage
 {
-  std::vector<float> depth;                  // window depth; 1 without a hit
-  std::vector<std::uint8_t> hit;             // 0 or 1
-  std::vector<std::array<double, 3>> point;  // data coordinates
+  std::vector<float> depth;                    // window depth; 1 without a hit
+  std::vector<std::uint8_t> hit;               // 0 or 1
+  std::vector<std::array<double, 3>> point;    // data coordinates
   std::vector<std::array<double, 3>> gradient; // of the field, d value / d data coordinate
 };
 

@@ -22,8 +22,8 @@ struct SlabRay
   {
   }
 
-  /// Narrows [t0, t1] to the box; false when nothing is left. A ray parallel to a face belongs to the box whose
-  /// half-open side [min, max) it runs in, so of two neighbours exactly one has it.
+  /// Narrows [t0, t1] to the box; false when nothing is left. A ray parallel to a face belongs to the box
+  /// whose half-open side [min, max) it runs in, so of two neighbours exactly one has it.
   bool clip(const Vec3& boxMin, const Vec3& boxMax, double& t0, double& t1) const noexcept
   {
     for (int a = 0; a < 3; ++a)

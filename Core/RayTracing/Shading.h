@@ -21,15 +21,16 @@ struct Material
 struct Light
 {
   bool positional = false;
-  Vec3 position{};           // world; positional only
-  Vec3 direction{};          // world, the way the light travels, unit length
-  double coneAngle = 180.;   // half angle in degrees; >= 90: no cone; positional only
+  Vec3 position{};         // world; positional only
+  Vec3 direction{};        // world, the way the light travels, unit length
+  double coneAngle = 180.; // half angle in degrees; >= 90: no cone; positional only
   double exponent = 1.;
-  Vec3 attenuation{ 1., 0., 0. }; // constant, linear, quadratic
+  Vec3 attenuation{ 1., 0., 0. };              // constant, linear, quadratic
   std::array<float, 3> color{ 1.f, 1.f, 1.f }; // times intensity
 };
 
-/// normal and toEye: unit length, world; the normal is turned towards the eye. Returns linear RGB, clamped to [0, 1].
+/// normal and toEye: unit length, world; the normal is turned towards the eye. Returns linear RGB, clamped to
+/// [0, 1].
 std::array<float, 3> shade(const Material& material, const std::vector<Light>& lights, const Vec3& point,
   const Vec3& normal, const Vec3& toEye) noexcept;
 

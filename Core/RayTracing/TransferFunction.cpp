@@ -42,8 +42,8 @@ float TransferFunction::extinctionFromOpacity(double opacity, double unitDistanc
   {
     return 0.f;
   }
-  return static_cast<float>(opacity < 1. ? std::min(opaqueExtinction, -std::log1p(-opacity) / unitDistance)
-                                          : opaqueExtinction);
+  return static_cast<float>(
+    opacity < 1. ? std::min(opaqueExtinction, -std::log1p(-opacity) / unitDistance) : opaqueExtinction);
 }
 
 double TransferFunction::position(float value) const noexcept

@@ -18,9 +18,9 @@ public:
     float r, g, b;    // not premultiplied
     float extinction; // per unit of world length
   };
-  /// entries: >= 2 samples equally spaced over [min, max], the ends included; linear in between, constant beyond.
-  /// Throws Error for fewer entries, a non-finite or empty interval (min == max is allowed), negative or NaN
-  /// extinction.
+  /// entries: >= 2 samples equally spaced over [min, max], the ends included; linear in between, constant
+  /// beyond. Throws Error for fewer entries, a non-finite or empty interval (min == max is allowed), negative
+  /// or NaN extinction.
   TransferFunction(double min, double max, std::vector<Entry> entries);
 
   /// Opaque over any step, yet finite, so that interpolation beside it makes no NaN.

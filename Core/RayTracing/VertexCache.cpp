@@ -82,8 +82,8 @@ void VertexCache::beginFrame()
 std::size_t VertexCache::byteSize() const noexcept
 {
   const std::size_t chunks = std::min<std::size_t>(usedChunks_, chunks_.size());
-  return slots_.size() * sizeof(slots_[0]) +
-    chunks_.size() * (sizeof(chunks_[0]) + sizeof(storage_[0])) + chunks * chunkRecords * sizeof(VertexRecord);
+  return slots_.size() * sizeof(slots_[0]) + chunks_.size() * (sizeof(chunks_[0]) + sizeof(storage_[0])) +
+    chunks * chunkRecords * sizeof(VertexRecord);
 }
 
 } // namespace treeamr

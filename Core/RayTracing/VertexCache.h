@@ -71,8 +71,8 @@ public:
     std::uint32_t end_ = 0;
   };
 
-  /// Call when no thread renders. Forgets all when the last frame ran out of budget, so that a new view gets its
-  /// share.
+  /// Call when no thread renders. Forgets all when the last frame ran out of budget, so that a new view gets
+  /// its share.
   void beginFrame();
 
   /// Allocated bytes.

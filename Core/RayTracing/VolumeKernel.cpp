@@ -1,9 +1,9 @@
-// The volume renderer's inner part, vectorised across rays with Highway and compiled once for each instruction
-// set; the best is chosen when the program runs.
+// The volume renderer's inner part, vectorised across rays with Highway and compiled once for each
+// instruction set; the best is chosen when the program runs.
 //
 // A tile of 16 x 16 rays descends the octree once, front to back. Its rays form 16 groups of 4 x 4 pixels, a
-// group filling one AVX-512 vector (or 2 or 4 narrower ones), and a node is tested against the groups that its
-// parent met. In a leaf all rays of a group are integrated together, from the leaf's 27 vertex values: on
+// group filling one AVX-512 vector (or 2 or 4 narrower ones), and a node is tested against the groups that
+// its parent met. In a leaf all rays of a group are integrated together, from the leaf's 27 vertex values: on
 // AVX-512 these stay in three registers and the corners of each ray's octant are permutations of them.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "RayTracing/VolumeKernel.cpp"
@@ -344,7 +344,8 @@ private:
         plane[0] = hn::LoadU(d, vertices);
         plane[1] = hn::LoadU(d, vertices + 9);
         plane[2] = hn::LoadU(d, vertices + 16); // two lanes on: no load reaches beyond the record
-        alignas(64) static constexpr std::int32_t shift[16] = { 2, 3, 4, 5, 6, 7, 8, 9, 10, 0, 0, 0, 0, 0, 0, 0 };
+        alignas(
+          64) static constexpr std::int32_t shift[16] = { 2, 3, 4, 5, 6, 7, 8, 9, 10, 0, 0, 0, 0, 0, 0, 0 };
         plane[2] = hn::TableLookupLanes(plane[2], hn::SetTableIndices(d, shift));
       }
     }

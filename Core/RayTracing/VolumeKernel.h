@@ -7,8 +7,8 @@
 namespace treeamr
 {
 
-/// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, so that
-/// neither offsets nor units cost it digits.
+/// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, so
+/// that neither offsets nor units cost it digits.
 struct VolumeKernelScene
 {
   const Field& field;

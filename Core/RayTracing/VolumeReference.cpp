@@ -219,8 +219,8 @@ private:
     for (int a = 0; a < 3; ++a)
     {
       const double d = ray.slab.direction[a] * halfWidths[a];
-      position[a] =
-        static_cast<float>((ray.slab.origin[a] + interval[0] * ray.slab.direction[a] - box.min[a]) * halfWidths[a]);
+      position[a] = static_cast<float>(
+        (ray.slab.origin[a] + interval[0] * ray.slab.direction[a] - box.min[a]) * halfWidths[a]);
       perLength[a] = static_cast<float>(d * length);
       squared += d * d;
     }

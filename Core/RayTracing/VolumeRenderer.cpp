@@ -83,8 +83,9 @@ void place(VolumeKernelScene& scene)
 
 } // namespace
 
-VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept, Image& image)
+VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
+  Image& image)
 {
   check(field, camera, settings, image);
   if (!fitsKernel(field, transferFunction))
@@ -107,8 +108,8 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   return statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
 }
 
-VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const DepthInterval& interval, const VolumeSettings& settings, Image& image)
+VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image)
 {
   // For this frame only: tiles share the leaves on their borders.
   VertexCache kept(field.octree().leafCount(), VolumeSettings::defaultKeptBytes);

@@ -49,13 +49,14 @@ struct VolumeStatistics
   }
 };
 
-/// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds what
-/// the next frame need not compute again. The field needs its node ranges if settings.skipEmpty. Throws Error
-/// when the image's size is not the camera's or the settings are not finite and positive.
-VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept, Image& image);
+/// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds
+/// what the next frame need not compute again. The field needs its node ranges if settings.skipEmpty. Throws
+/// Error when the image's size is not the camera's or the settings are not finite and positive.
+VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
+  Image& image);
 /// The same for a single frame.
-VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const DepthInterval& interval, const VolumeSettings& settings, Image& image);
+VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image);
 
 } // namespace treeamr

@@ -157,7 +157,8 @@ TEST(Octree, ReachesDepthNineteenAndManyRoots)
       if (o != 7 || level == deepest)
       {
         cells.push_back(
-          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level }, 1.f });
+          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level },
+            1.f });
       }
     }
     parent = { 2 * parent[0] + 1, 2 * parent[1] + 1, 2 * parent[2] + 1 };

@@ -184,8 +184,8 @@ TEST(Volume, SkippingNeverChangesABit)
   std::uint64_t samplesSaved = 0;
   for (const RandomTree& options : propertyTrees())
   {
-    const auto field = makeField(
-      RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+    const auto field =
+      makeField(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
     const Vec3 middle{ 0.5 * options.roots[0], 0.5 * options.roots[1], 0.5 * options.roots[2] };
     const Camera camera(
       multiply(perspective(40., 0.1, 99.), lookAt({ 5., 4., 6. }, middle)), identityMatrix, 61, 53);
@@ -204,8 +204,8 @@ TEST(Volume, SkippingNeverChangesABit)
 TEST(Volume, PartsOfARayComposeToTheWhole)
 {
   const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0., false };
-  const auto field = makeField(
-    RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+  const auto field =
+    makeField(RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
   const Camera camera(
     multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 40, 40);
   VolumeSettings settings;
@@ -230,8 +230,8 @@ TEST(Volume, PartsOfARayComposeToTheWhole)
 TEST(Volume, ConvergesWithTheStep)
 {
   const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0., false };
-  const auto field = makeField(
-    RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+  const auto field =
+    makeField(RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
   const Camera camera(
     multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 40, 40);
   const auto render = [&](double samplesPerCell) {
@@ -260,7 +260,8 @@ TEST(Volume, ConvergesWithTheStep)
 TEST(Volume, RejectsBadSettings)
 {
   const auto field = makeField(unitCube(), { { {}, 0.5f } });
-  const Camera camera(multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 0., 0., 0. })), identityMatrix, 8, 8);
+  const Camera camera(
+    multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 0., 0., 0. })), identityMatrix, 8, 8);
   Image wrong(8, 9);
   Image right(8, 8);
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, wrong), Error);
@@ -360,7 +361,8 @@ TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
     const std::array<Coord, 3> root{ i & 3, i >> 2 & 3, i >> 4 };
     for (int o = 0; o < 8 && root[0] >= 2; ++o)
     {
-      cells.push_back({ { { 2 * root[0] + (o & 1), 2 * root[1] + (o >> 1 & 1), 2 * root[2] + (o >> 2) }, 1 }, 0.f });
+      cells.push_back(
+        { { { 2 * root[0] + (o & 1), 2 * root[1] + (o >> 1 & 1), 2 * root[2] + (o >> 2) }, 1 }, 0.f });
     }
     if (root[0] < 2)
     {
@@ -407,7 +409,8 @@ TEST(Isosurface, StaysExactInACellOfDepthNineteen)
       if (o != (level == 1 ? 0 : 7) || level == depth)
       {
         cells.push_back(
-          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level }, 0.f });
+          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level },
+            0.f });
       }
     }
     const Coord bit = level == 1 ? 0 : 1;

@@ -261,8 +261,11 @@ TEST(Reconstruction, StaysWithinTheNodesRanges)
 
 TEST(Reconstruction, IsOfSecondOrderInside)
 {
-  // f smooth; every leaf of an adaptive tree refined once and once more: the largest error inside falls fourfold.
-  const auto f = [](const Point& p) { return std::sin(3. * p[0] + 1.) * std::cos(2. * p[1]) * std::exp(p[2]); };
+  // f smooth; every leaf of an adaptive tree refined once and once more: the largest error inside falls
+  // fourfold.
+  const auto f = [](const Point& p) {
+    return std::sin(3. * p[0] + 1.) * std::cos(2. * p[1]) * std::exp(p[2]);
+  };
   const RandomTree options{ 7, { 2, 2, 2 }, 3, 0.6, 0., true };
   auto cells = makeRandomTree(options);
   std::array<double, 4> error{};
@@ -287,7 +290,8 @@ TEST(Reconstruction, IsOfSecondOrderInside)
       {
         const auto& i = cell.cell.index;
         finer.push_back(
-          { { { 2 * i[0] + (o & 1), 2 * i[1] + (o >> 1 & 1), 2 * i[2] + (o >> 2) }, cell.cell.level + 1 }, 0.f });
+          { { { 2 * i[0] + (o & 1), 2 * i[1] + (o >> 1 & 1), 2 * i[2] + (o >> 2) }, cell.cell.level + 1 },
+            0.f });
       }
     }
     cells = std::move(finer);

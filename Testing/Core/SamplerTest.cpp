@@ -159,7 +159,8 @@ TEST(Sampler, GradientsAreDerivatives)
 
 TEST(Sampler, StaysAccurateDeepAndFarFromTheOrigin)
 {
-  // Refined 30 levels towards an interior point; the grid lies 1e6 widths of its smallest cell from the origin.
+  // Refined 30 levels towards an interior point; the grid lies 1e6 widths of its smallest cell from the
+  // origin.
   constexpr int depth = 30;
   const double width = std::ldexp(1., -depth);
   const Point origin{ 1e6 * width, -1e6 * width, 1e6 * width };
@@ -173,7 +174,8 @@ TEST(Sampler, StaysAccurateDeepAndFarFromTheOrigin)
       if (o != keep || level == depth)
       {
         cells.push_back(
-          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level }, 0.f });
+          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level },
+            0.f });
       }
     }
     parent = { 2 * parent[0] + (keep & 1), 2 * parent[1] + (keep & 1), 2 * parent[2] + (keep & 1) };
@@ -185,8 +187,8 @@ TEST(Sampler, StaysAccurateDeepAndFarFromTheOrigin)
     // Far cells would dwarf the near ones; linear near the point is what the test needs.
     c.value = std::abs(c.value) < 64.f ? c.value : 0.f;
   }
-  const auto sampler =
-    Sampler::create(InterpolationMethod::GTI, makeField(RootGrid::uniform({ 1, 1, 1 }, origin, { 1., 1., 1. }), cells));
+  const auto sampler = Sampler::create(
+    InterpolationMethod::GTI, makeField(RootGrid::uniform({ 1, 1, 1 }, origin, { 1., 1., 1. }), cells));
   std::mt19937 random(4);
   std::uniform_real_distribution<double> unit(-1., 0.);
   for (int i = 0; i < 1000; ++i)
@@ -208,8 +210,8 @@ TEST(Sampler, StaysAccurateDeepAndFarFromTheOrigin)
 TEST(Sampler, CellsAreClosedAndTheRestIsOutside)
 {
   // Two of eight cells; a point on a plane belongs to whichever cell exists.
-  const auto field = makeField({ 1, 1, 1 },
-    std::vector<LeafCell>{ { { { 0, 0, 0 }, 1 }, 1.f }, { { { 1, 1, 1 }, 1 }, 2.f } });
+  const auto field =
+    makeField({ 1, 1, 1 }, std::vector<LeafCell>{ { { { 0, 0, 0 }, 1 }, 1.f }, { { { 1, 1, 1 }, 1 }, 2.f } });
   constexpr double inf = std::numeric_limits<double>::infinity();
   for (const auto method : { InterpolationMethod::Nearest, InterpolationMethod::Current,
          InterpolationMethod::Finest, InterpolationMethod::Octant, InterpolationMethod::GTI })
@@ -222,13 +224,14 @@ TEST(Sampler, CellsAreClosedAndTheRestIsOutside)
     EXPECT_EQ(s.value, 2.);
     EXPECT_TRUE(sampler->sample({ 0., 0., 0. }, s));
     EXPECT_TRUE(sampler->sample({ 1., 1., 1. }, s));
-    for (const Point& p : { Point{ 0.75, 0.25, 0.25 }, { -0.1, 0.2, 0.2 }, { 1.1, 0.9, 0.9 }, { inf, 0.5, 0.5 },
-           { NAN, 0.2, 0.2 } })
+    for (const Point& p : { Point{ 0.75, 0.25, 0.25 }, { -0.1, 0.2, 0.2 }, { 1.1, 0.9, 0.9 },
+           { inf, 0.5, 0.5 }, { NAN, 0.2, 0.2 } })
     {
       EXPECT_FALSE(sampler->sample(p, s));
     }
   }
-  const auto none = Sampler::create(InterpolationMethod::GTI, makeField({ 1, 1, 1 }, std::vector<LeafCell>{}));
+  const auto none =
+    Sampler::create(InterpolationMethod::GTI, makeField({ 1, 1, 1 }, std::vector<LeafCell>{}));
   FieldSample s;
   EXPECT_FALSE(none->sample({ 0.5, 0.5, 0.5 }, s));
 }

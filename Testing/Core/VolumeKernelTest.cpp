@@ -61,7 +61,8 @@ std::vector<View> views()
     { "inside", multiply(perspective(90., 1e-3, 20.), lookAt({ 1.1, 0.8, 1.3 }, { 0., 0.1, 0.2 })) },
     { "narrow", multiply(perspective(0.3, 900., 1100.), lookAt({ 600., 500., 620. }, middle)) },
     { "parallel", multiply(parallel(1.9, 0.1, 20.), lookAt({ 4., 3., 3.5 }, middle)) },
-    { "along an axis", multiply(parallel(1.2, 0.1, 20.), { 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -5, 0, 0, 0, 1 }) } };
+    { "along an axis",
+      multiply(parallel(1.2, 0.1, 20.), { 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -5, 0, 0, 0, 1 }) } };
 }
 
 /// Calls f for each instruction set that the kernel was compiled for and this machine has.
@@ -97,8 +98,8 @@ TEST(VolumeKernel, EqualsTheReferenceOnEveryTarget)
   const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
   const TransferFunction transferFunction = smooth();
   VolumeSettings settings;
-  // A ray whose way is a whole number of steps long, but for rounding, may take one more: with many the pictures
-  // still agree.
+  // A ray whose way is a whole number of steps long, but for rounding, may take one more: with many the
+  // pictures still agree.
   settings.samplesPerCell = 64.;
   int targets = 0;
   for (const View& view : views())
@@ -219,7 +220,8 @@ TEST(VolumeKernel, UnitsAndOffsetsDoNotMatter)
       -offset / size, 0, 0, 0, 1 };
     const Camera placed(multiply(views().front().clip, toUnit), toUnit, width, height);
     Image image(width, height);
-    renderVolume(*makeField(options, RootGrid::uniform({ 2, 2, 2 }, { offset, offset, offset }, { size, size, size })),
+    renderVolume(
+      *makeField(options, RootGrid::uniform({ 2, 2, 2 }, { offset, offset, offset }, { size, size, size })),
       smooth(), placed, {}, settings, image);
     EXPECT_LT(largestDifference(image, expected), 1e-3f) << size;
   }
@@ -235,8 +237,7 @@ TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
   auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
   Field field(built.octree, built.values);
   field.computeNodeRanges();
-  const TransferFunction transferFunction(
-    -3e38, 3e38, { { 1.f, 0.f, 0.f, 0.f }, { 0.f, 1.f, 0.f, 5.f } });
+  const TransferFunction transferFunction(-3e38, 3e38, { { 1.f, 0.f, 0.f, 0.f }, { 0.f, 1.f, 0.f, 5.f } });
   const Camera camera(views().front().clip, identityMatrix, width, height);
   Image image(width, height);
   Image expected(width, height);

@@ -9,7 +9,8 @@ namespace treeamr::test
 namespace
 {
 
-/// Solves V^T c = e1 for points at +-1/2 or +-1/4 per axis (Cramer-free: Gauss-Jordan on the augmented matrix).
+/// Solves V^T c = e1 for points at +-1/2 or +-1/4 per axis (Cramer-free: Gauss-Jordan on the augmented
+/// matrix).
 std::vector<double> weights(const std::vector<std::vector<double>>& points)
 {
   const std::size_t n = points.size();
@@ -58,8 +59,7 @@ Coord floorDiv(Coord a, Coord b)
 
 } // namespace
 
-BruteForceGTI::BruteForceGTI(
-  std::array<int, 3> roots, const std::vector<LeafCell>& cells, bool octantRule)
+BruteForceGTI::BruteForceGTI(std::array<int, 3> roots, const std::vector<LeafCell>& cells, bool octantRule)
   : roots_(roots)
   , octantRule_(octantRule)
   , cells_(cells)

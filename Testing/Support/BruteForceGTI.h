@@ -26,7 +26,8 @@ public:
   /// The field at a point of the closed box of one leaf, seen from inside that leaf.
   double valueInside(const CellId& leaf, const std::array<double, 3>& p, bool* gap = nullptr) const;
 
-  /// The value of a cell of any level: its own, its mean or that of the leaf that covers it; none without cells.
+  /// The value of a cell of any level: its own, its mean or that of the leaf that covers it; none without
+  /// cells.
   std::optional<double> cellValue(int level, const std::array<Coord, 3>& index) const;
   /// Whether a cell is refined.
   bool isRefined(int level, const std::array<Coord, 3>& index) const;

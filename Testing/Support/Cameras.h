@@ -54,15 +54,16 @@ inline Matrix4 lookAt(const Vec3& eye, const Vec3& target)
   const Vec3 back = unit(eye - target);
   const Vec3 right = unit(cross({ 0.1, 1., 0.2 }, back));
   const Vec3 up = cross(back, right);
-  return { right[0], right[1], right[2], -dot(right, eye), up[0], up[1], up[2], -dot(up, eye), back[0], back[1],
-    back[2], -dot(back, eye), 0, 0, 0, 1 };
+  return { right[0], right[1], right[2], -dot(right, eye), up[0], up[1], up[2], -dot(up, eye), back[0],
+    back[1], back[2], -dot(back, eye), 0, 0, 0, 1 };
 }
 
 /// OpenGL's frustum with a vertical view angle.
 inline Matrix4 perspective(double degrees, double near, double far)
 {
   const double f = 1. / std::tan(degrees * std::numbers::pi / 360.);
-  return { f, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), 2. * far * near / (near - far), 0, 0, -1, 0 };
+  return { f, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), 2. * far * near / (near - far), 0, 0,
+    -1, 0 };
 }
 
 inline Matrix4 parallel(double halfHeight, double near, double far)

@@ -15,10 +15,10 @@ struct RandomTree
 {
   std::uint32_t seed = 1;
   std::array<int, 3> roots{ 1, 1, 1 };
-  int levels = 4;          // deepest level
-  double refine = 0.5;     // probability that a cell above the deepest level is refined
-  double missing = 0.;     // probability that a leaf is left out
-  bool balanced = false;   // 2:1 across faces, edges and corners
+  int levels = 4;        // deepest level
+  double refine = 0.5;   // probability that a cell above the deepest level is refined
+  double missing = 0.;   // probability that a leaf is left out
+  bool balanced = false; // 2:1 across faces, edges and corners
 };
 
 /// At least one cell; values uniform in [-1, 1].
