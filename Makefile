@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build setup demo check check-sanitizers install clean
+.PHONY: build setup demo check check-sanitizers bench install clean
 
 build: setup
 	cmake --preset release
@@ -45,6 +45,16 @@ check-sanitizers: setup
 	cmake --preset asan
 	cmake --build --preset asan
 	ctest --preset asan
+
+# Forests are written once: `make clean` takes them away.
+FOREST = $(BUILD)/bench/mandelbulb-$(1).p8est
+bench: build
+	mkdir -p $(BUILD)/bench
+	test -f $(call FOREST,0.3M) || $(BUILD)/bin/treeamr-demo-forest $(call FOREST,0.3M) 4 7 0.05
+	test -f $(call FOREST,2.6M) || $(BUILD)/bin/treeamr-demo-forest $(call FOREST,2.6M) 4 9 0.55
+	test -f $(call FOREST,20M) || $(BUILD)/bin/treeamr-demo-forest $(call FOREST,20M) 4 10 0.40
+	$(BUILD)/bin/treeamr-benchmark $(BUILD)/bench/bench.json mandelbulb-0.3M $(call FOREST,0.3M) \
+	  mandelbulb-2.6M $(call FOREST,2.6M) mandelbulb-20M $(call FOREST,20M)
 
 install: build
 	cmake --install $(BUILD) --prefix $(PREFIX)

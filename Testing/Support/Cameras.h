@@ -49,10 +49,10 @@ inline double dot(const Vec3& a, const Vec3& b)
 }
 
 /// World to view coordinates, looking from the eye to the target.
-inline Matrix4 lookAt(const Vec3& eye, const Vec3& target)
+inline Matrix4 lookAt(const Vec3& eye, const Vec3& target, const Vec3& upwards = { 0.1, 1., 0.2 })
 {
   const Vec3 back = unit(eye - target);
-  const Vec3 right = unit(cross({ 0.1, 1., 0.2 }, back));
+  const Vec3 right = unit(cross(upwards, back));
   const Vec3 up = cross(back, right);
   return { right[0], right[1], right[2], -dot(right, eye), up[0], up[1], up[2], -dot(up, eye), back[0],
     back[1], back[2], -dot(back, eye), 0, 0, 0, 1 };

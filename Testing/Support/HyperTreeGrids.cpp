@@ -16,6 +16,7 @@
 #include "vtkNew.h"
 #include "vtkUniformHyperTreeGrid.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkVersionMacros.h"
 
 #include <algorithm>
 #include <cmath>
@@ -347,6 +348,15 @@ vtkSmartPointer<vtkHyperTreeGrid> makeUniformlyRefinedGrid(unsigned int level)
   }
   grid->GetCellData()->AddArray(scalar);
   return grid;
+}
+
+vtkIdType countVertices(vtkHyperTreeGrid* grid)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  return grid->GetNumberOfCells();
+#else
+  return grid->GetNumberOfVertices();
+#endif
 }
 
 void addRandomMask(vtkHyperTreeGrid* grid, double probability, std::uint32_t seed)

@@ -5,6 +5,7 @@
 #include "Octree/Field.h"
 
 #include "vtkSmartPointer.h"
+#include "vtkType.h"
 
 #include <array>
 #include <cstdint>
@@ -43,6 +44,9 @@ vtkSmartPointer<vtkHyperTreeGrid> makeUniformlyRefinedGrid(unsigned int level);
 
 /// Masks vertices, coarse or leaf, at random.
 void addRandomMask(vtkHyperTreeGrid* grid, double probability, std::uint32_t seed);
+
+/// Coarse vertices and leaves: GetNumberOfCells(), which VTK 9.1 calls GetNumberOfVertices().
+vtkIdType countVertices(vtkHyperTreeGrid* grid);
 
 struct DrawnCell
 {
