@@ -22,17 +22,17 @@ public:
   {
   }
 
-  Range visit(TreePath& path) const
+  Range visit(TreePath& path, VertexMemo& memo) const
   {
     const NodeRef node = path.node();
     if (node.isLeaf())
     {
-      return hull(vertexValues<VertexRule::GTI>(path, field_));
+      return hull(vertexValues<VertexRule::GTI>(path, field_, memo));
     }
     std::array<Range, 8> parts;
-    const auto visitChild = [&](TreePath& at, int octant) {
+    const auto visitChild = [&](TreePath& at, VertexMemo& known, int octant) {
       at.descend(octant);
-      parts[octant] = visit(at);
+      parts[octant] = visit(at, known);
       at.ascend();
     };
     // Subtrees of up to 512 leaves are one task's work; a path is too large to copy for less.
@@ -42,7 +42,7 @@ public:
       {
         if (!path.octree().child(node, o).isNone())
         {
-          visitChild(path, o);
+          visitChild(path, memo, o);
         }
       }
     }
@@ -52,7 +52,8 @@ public:
         if (!path.octree().child(node, o).isNone())
         {
           TreePath own(path);
-          visitChild(own, o);
+          VertexMemo known;
+          visitChild(own, known, o);
         }
       });
     }
@@ -84,7 +85,8 @@ void Field::computeNodeRanges()
   if (octree_->root().isInner())
   {
     TreePath path(*octree_);
-    RangeBuilder(*this, ranges_).visit(path);
+    VertexMemo memo;
+    RangeBuilder(*this, ranges_).visit(path, memo);
   }
 }
 

@@ -77,9 +77,10 @@ template <VertexRule Rule>
 class Evaluator
 {
 public:
-  Evaluator(const TreePath& path, const Field& field) noexcept
+  Evaluator(const TreePath& path, const Field& field, VertexMemo& memo) noexcept
     : path_(path)
     , field_(field)
+    , memo_(memo)
   {
   }
 
@@ -96,6 +97,9 @@ public:
     }
     return coarsest == depth ? onLattice(around, slots) : fromCoarser(depth, vertex, coarsest);
   }
+
+  /// A vertex between leaves and refined nodes of one level, given by the slots of a neighbourhood.
+  double onLattice(const Neighbourhood& around, const VertexSlots& slots) const noexcept;
 
 private:
   /// Interpolates between the vertices of a coarser level around this one, all of them vertices of the
@@ -132,37 +136,10 @@ private:
         weight *= upper ? fraction[d] : 1. - fraction[d];
         v += upper ? strideOf[d] : 0;
       }
-      sum += weight * value(coarser, v);
+      sum += weight *
+        memo_.get(coarser, path_.around(coarser)[13], v, [&]() noexcept { return value(coarser, v); });
     }
     return sum;
-  }
-
-  /// A vertex between leaves and refined nodes of one level.
-  double onLattice(const Neighbourhood& around, const VertexSlots& slots) const noexcept
-  {
-    const int count = 1 << slots.dimensions;
-    std::array<double, 8> data;
-    unsigned present = 0;
-    unsigned refined = 0;
-    for (int s = 0; s < count; ++s)
-    {
-      const NodeRef node = around[slots.slot[s].entry];
-      const bool has = !node.isNone() && slotValue(node, slots.slot[s].children, data[s]);
-      present |= static_cast<unsigned>(has) << s;
-      refined |= static_cast<unsigned>(has && node.isInner()) << s;
-    }
-    const double* weights = weightsOf(slots.dimensions, refined);
-    double sum = 0.;
-    double total = 0.;
-    for (int s = 0; s < count; ++s)
-    {
-      if (present >> s & 1)
-      {
-        sum += weights[s] * data[s];
-        total += weights[s];
-      }
-    }
-    return present == (1u << count) - 1 ? sum : sum / total;
   }
 
   /// False when no cell of the slot touches the vertex.
@@ -210,7 +187,36 @@ private:
 
   const TreePath& path_;
   const Field& field_;
+  VertexMemo& memo_;
 };
+
+template <VertexRule Rule>
+double Evaluator<Rule>::onLattice(const Neighbourhood& around, const VertexSlots& slots) const noexcept
+{
+  const int count = 1 << slots.dimensions;
+  std::array<double, 8> data;
+  unsigned present = 0;
+  unsigned refined = 0;
+  for (int s = 0; s < count; ++s)
+  {
+    const NodeRef node = around[slots.slot[s].entry];
+    const bool has = !node.isNone() && slotValue(node, slots.slot[s].children, data[s]);
+    present |= static_cast<unsigned>(has) << s;
+    refined |= static_cast<unsigned>(has && node.isInner()) << s;
+  }
+  const double* weights = weightsOf(slots.dimensions, refined);
+  double sum = 0.;
+  double total = 0.;
+  for (int s = 0; s < count; ++s)
+  {
+    if (present >> s & 1)
+    {
+      sum += weights[s] * data[s];
+      total += weights[s];
+    }
+  }
+  return present == (1u << count) - 1 ? sum : sum / total;
+}
 
 /// Where all 27 cells are leaves of one level every vertex is a mean, and a mean of means along one axis
 /// after the other. In double precision the sums are exact for values of like size, so a neighbour that takes
@@ -236,30 +242,33 @@ VertexValues uniformValues(std::array<double, 27> v) noexcept
 } // namespace
 
 template <VertexRule Rule>
-VertexValues vertexValues(const TreePath& path, const Field& field) noexcept
+VertexValues vertexValues(const TreePath& path, const Field& field, VertexMemo& memo) noexcept
 {
   const int depth = path.depth();
   const Neighbourhood& around = path.around(depth);
   std::array<double, 27> cells;
   std::uint32_t sameLevel = 0; // mask of leaves of this level
+  std::uint32_t coarser = 0;   // and of coarser ones
   for (int e = 0; e < 27; ++e)
   {
     const NodeRef node = around[e];
     cells[e] = node.isLeaf() ? field.value(node) : 0.;
     sameLevel |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() == depth) << e;
+    coarser |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() < depth) << e;
   }
   if (sameLevel == (1u << 27) - 1)
   {
     return uniformValues(cells);
   }
-  const Evaluator<Rule> evaluator(path, field);
+  const Evaluator<Rule> evaluator(path, field, memo);
   VertexValues values;
   for (int v = 0; v < 27; ++v)
   {
     const VertexSlots& slots = vertexSlots[v];
     if ((slots.entries & ~sameLevel) != 0)
     {
-      values[v] = static_cast<float>(evaluator.value(depth, v));
+      values[v] = static_cast<float>(
+        (slots.entries & coarser) != 0 ? evaluator.value(depth, v) : evaluator.onLattice(around, slots));
       continue;
     }
     double sum = 0.;
@@ -272,7 +281,7 @@ VertexValues vertexValues(const TreePath& path, const Field& field) noexcept
   return values;
 }
 
-template VertexValues vertexValues<VertexRule::GTI>(const TreePath&, const Field&) noexcept;
-template VertexValues vertexValues<VertexRule::Octant>(const TreePath&, const Field&) noexcept;
+template VertexValues vertexValues<VertexRule::GTI>(const TreePath&, const Field&, VertexMemo&) noexcept;
+template VertexValues vertexValues<VertexRule::Octant>(const TreePath&, const Field&, VertexMemo&) noexcept;
 
 } // namespace treeamr

@@ -46,12 +46,12 @@ public:
   {
   }
 
-  void visit(TreePath& path, std::vector<ActiveOctant>& found) const
+  void visit(TreePath& path, VertexMemo& memo, std::vector<ActiveOctant>& found) const
   {
     const NodeRef node = path.node();
     if (node.isLeaf())
     {
-      visitLeaf(path, found);
+      visitLeaf(path, memo, found);
       return;
     }
     const Range range = field_.nodeRange(node);
@@ -59,11 +59,12 @@ public:
     {
       return;
     }
-    const auto visitChild = [this](TreePath& at, int octant, std::vector<ActiveOctant>& into) {
+    const auto visitChild = [this](
+                              TreePath& at, VertexMemo& known, int octant, std::vector<ActiveOctant>& into) {
       if (!at.octree().child(at.node(), octant).isNone())
       {
         at.descend(octant);
-        visit(at, into);
+        visit(at, known, into);
         at.ascend();
       }
     };
@@ -71,14 +72,15 @@ public:
     {
       for (int o = 0; o < 8; ++o)
       {
-        visitChild(path, o, found);
+        visitChild(path, memo, o, found);
       }
       return;
     }
     std::array<std::vector<ActiveOctant>, 8> parts;
     tbb::parallel_for(0, 8, [&](int o) {
       TreePath own(path);
-      visitChild(own, o, parts[o]);
+      VertexMemo known;
+      visitChild(own, known, o, parts[o]);
     });
     for (const auto& part : parts)
     {
@@ -87,13 +89,13 @@ public:
   }
 
 private:
-  void visitLeaf(const TreePath& path, std::vector<ActiveOctant>& found) const
+  void visitLeaf(const TreePath& path, VertexMemo& memo, std::vector<ActiveOctant>& found) const
   {
     if (field_.octree().isGhost(path.node().index()))
     {
       return;
     }
-    const VertexValues vertices = vertexValues<VertexRule::GTI>(path, field_);
+    const VertexValues vertices = vertexValues<VertexRule::GTI>(path, field_, memo);
     const Range range = hull(vertices);
     if (!(range.min <= isovalue_ && isovalue_ <= range.max))
     {
@@ -331,7 +333,8 @@ Isosurface::Isosurface(std::shared_ptr<const Field> field, float isovalue)
   TreePath path(impl_->field->octree());
   if (!path.node().isNone())
   {
-    Extraction(*impl_->field, isovalue).visit(path, impl_->octants);
+    VertexMemo memo;
+    Extraction(*impl_->field, isovalue).visit(path, memo, impl_->octants);
   }
   impl_->octants.shrink_to_fit();
   if (impl_->octants.size() >= RTC_INVALID_GEOMETRY_ID)

@@ -23,9 +23,9 @@ struct alignas(64) VertexRecord
   std::array<float, 3> padding;
 
   /// The path must end at the leaf.
-  void compute(const TreePath& path, const Field& field) noexcept
+  void compute(const TreePath& path, const Field& field, VertexMemo& memo) noexcept
   {
-    values = vertexValues<VertexRule::GTI>(path, field);
+    values = vertexValues<VertexRule::GTI>(path, field, memo);
     range = hull(values);
     padding = {};
   }

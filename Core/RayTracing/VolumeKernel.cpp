@@ -300,10 +300,10 @@ private:
     VertexRecord* record = writer_.reserve();
     if (!record)
     {
-      local_.compute(path_, scene_.field);
+      local_.compute(path_, scene_.field, memo_);
       return local_;
     }
-    record->compute(path_, scene_.field);
+    record->compute(path_, scene_.field, memo_);
     writer_.publish(leaf.index());
     return *record;
   }
@@ -489,6 +489,7 @@ private:
   const Octree& octree_;
   const RootGrid& grid_;
   TreePath path_; // as deep as neighbourhoods were needed so far
+  VertexMemo memo_;
   VertexCache::Writer writer_;
   VertexRecord local_;
   float tableMin_;

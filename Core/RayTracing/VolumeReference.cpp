@@ -188,7 +188,7 @@ private:
     {
       return;
     }
-    const VertexValues values = vertexValues<VertexRule::GTI>(path_, field_);
+    const VertexValues values = vertexValues<VertexRule::GTI>(path_, field_, memo_);
     ++statistics_.cells;
     const Range range = hull(values);
     if (settings_.skipEmpty && !transferFunction_.isVisible(range))
@@ -251,6 +251,7 @@ private:
   const Camera& camera_;
   const VolumeSettings& settings_;
   TreePath path_;
+  VertexMemo memo_;
   std::vector<TileRay> rays_;
   std::array<std::array<double, 2>, 64> leafInterval_; // t of entry and exit by ray
   Vec3 direction_;

@@ -300,3 +300,23 @@ TEST(Reconstruction, IsOfSecondOrderInside)
   EXPECT_GT(error[2] / error[3], 3.5);
   EXPECT_LT(error[2] / error[3], 4.5);
 }
+
+TEST(Reconstruction, IsTheSameWithValuesKeptAlongAWalk)
+{
+  for (const RandomTree& options : propertyTrees())
+  {
+    const Case c = makeCase(options);
+    VertexMemo gti;
+    VertexMemo octant;
+    TreePath root(c.field->octree());
+    forEachNode(root, [&](const TreePath& path) {
+      if (path.node().isLeaf())
+      {
+        EXPECT_EQ(
+          vertexValues<VertexRule::GTI>(path, *c.field, gti), vertexValues<VertexRule::GTI>(path, *c.field));
+        EXPECT_EQ(vertexValues<VertexRule::Octant>(path, *c.field, octant),
+          vertexValues<VertexRule::Octant>(path, *c.field));
+      }
+    });
+  }
+}
