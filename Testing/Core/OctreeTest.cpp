@@ -23,20 +23,6 @@ RootGrid unitRoots(const std::array<int, 3>& roots)
   return RootGrid::uniform(roots, { 0., 0., 0. }, { 1., 1., 1. });
 }
 
-void forEachNode(TreePath& path, const std::function<void(const TreePath&)>& f)
-{
-  f(path);
-  for (int o = 0; path.node().isInner() && o < 8; ++o)
-  {
-    if (!path.octree().child(path.node(), o).isNone())
-    {
-      path.descend(o);
-      forEachNode(path, f);
-      path.ascend();
-    }
-  }
-}
-
 using Key = std::array<Coord, 4>;
 Key keyOf(const CellId& c)
 {

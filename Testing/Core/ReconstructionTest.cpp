@@ -71,20 +71,6 @@ private:
   std::mt19937 random_;
 };
 
-void forEachNode(TreePath& path, const std::function<void(const TreePath&)>& f)
-{
-  f(path);
-  for (int o = 0; path.node().isInner() && o < 8; ++o)
-  {
-    if (!path.octree().child(path.node(), o).isNone())
-    {
-      path.descend(o);
-      forEachNode(path, f);
-      path.ascend();
-    }
-  }
-}
-
 } // namespace
 
 TEST(Reconstruction, EqualsTheBruteForceEvaluation)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Octree/OctreeBuilder.h"
+#include "Octree/TreePath.h"
 
 #include <array>
 #include <cstdint>
@@ -31,5 +32,8 @@ void setValues(std::vector<LeafCell>& cells, const std::function<double(const st
 
 /// The property tests' set: balanced, unbalanced (jumps up to 5 levels), sparse, several roots; 36 trees.
 std::vector<RandomTree> propertyTrees();
+
+/// Calls f at every node, parents first.
+void forEachNode(TreePath& path, const std::function<void(const TreePath&)>& f);
 
 } // namespace treeamr::test
