@@ -62,8 +62,8 @@ public:
   vtkGetMacro(SamplesPerCell, double);
   ///@}
   ///@{
-  /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed again; 0
-  /// keeps none. Only what was seen takes memory. Never changes a pixel. Default 512.
+  /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed
+  /// again; 0 keeps none. Only what was seen takes memory. Never changes a pixel. Default 512.
   vtkSetClampMacro(VertexCacheSize, int, 0, VTK_INT_MAX);
   vtkGetMacro(VertexCacheSize, int);
   ///@}
@@ -75,16 +75,16 @@ public:
   ///@}
 
   ///@{
-  /// What the last Render() did: inner nodes of the octree entered, cells whose values were reconstructed (not
-  /// found kept) and samples along rays.
+  /// What the last Render() did: inner nodes of the octree entered, cells whose values were reconstructed
+  /// (not found kept) and samples along rays.
   vtkGetMacro(LastNumberOfNodes, vtkIdType);
   vtkGetMacro(LastNumberOfCells, vtkIdType);
   vtkGetMacro(LastNumberOfSamples, vtkIdType);
   ///@}
   ///@{
-  /// Cells of the field in use, bytes of its octree, values, means and ranges, and wall-clock seconds that the
-  /// conversion took when the array was last acquired (next to none when another mapper had made it); 0 before
-  /// the first Render().
+  /// Cells of the field in use, bytes of its octree, values, means and ranges, and wall-clock seconds that
+  /// the conversion took when the array was last acquired (next to none when another mapper had made it); 0
+  /// before the first Render().
   vtkIdType GetNumberOfCells();
   vtkTypeUInt64 GetOctreeBytes();
   vtkGetMacro(BuildSeconds, double);

@@ -1,5 +1,5 @@
-// Measures the volume renderer on p4est forests of the Mandelbulb: 1000 x 1000 pixels, all threads, CPU seconds
-// of the whole process, PSNR of the colours against the scalar reference at 64 samples per cell.
+// Measures the volume renderer on p4est forests of the Mandelbulb: 1000 x 1000 pixels, all threads, CPU
+// seconds of the whole process, PSNR of the colours against the scalar reference at 64 samples per cell.
 //
 // treeamr-benchmark OUT.json NAME FOREST.p8est [NAME FOREST.p8est ...]
 #include "Error.h"

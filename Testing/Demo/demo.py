@@ -47,11 +47,12 @@ view.CameraViewUp = [0, 1, 0]
 view.CameraViewAngle = 40
 
 colors = GetColorTransferFunction("mandelbulb")
-colors.RGBPoints = [0.3, 0.23, 0.11, 0.33, 0.45, 0.55, 0.16, 0.39, 0.6, 0.93, 0.41, 0.22, 0.75, 0.98, 0.76, 0.25,
-                    1.0, 1.0, 1.0, 0.85]
+colors.RGBPoints = [0.3, 0.23, 0.11, 0.33, 0.45, 0.55, 0.16, 0.39, 0.6, 0.93, 0.41, 0.22,
+                    0.75, 0.98, 0.76, 0.25, 1.0, 1.0, 1.0, 0.85]
 colors.ColorSpace = "RGB"
 opacities = GetOpacityTransferFunction("mandelbulb")
-opacities.Points = [0.0, 0.0, 0.5, 0.0, 0.3, 0.0, 0.5, 0.0, 0.45, 0.2, 0.5, 0.0, 0.6, 0.6, 0.5, 0.0, 1.0, 0.9, 0.5, 0.0]
+opacities.Points = [0.0, 0.0, 0.5, 0.0, 0.3, 0.0, 0.5, 0.0, 0.45, 0.2, 0.5, 0.0, 0.6, 0.6, 0.5, 0.0,
+                    1.0, 0.9, 0.5, 0.0]
 
 volume = Show(reader, view)
 ColorBy(volume, ("CELLS", "mandelbulb"))
