@@ -1,6 +1,6 @@
 // Ranges of the reconstructed field per inner node: the hull of the vertex values of the leaves below.
 // Exact, unlike the paper's ranges of cell values: an octant's vertices also use the cells around it.
-#include "Interpolation/VertexValues.h"
+#include "Interpolation/BlockValues.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -22,17 +22,14 @@ public:
   {
   }
 
-  Range visit(TreePath& path, VertexMemo& memo) const
+  Range visit(TreePath& path, BlockEvaluator& evaluator) const
   {
     const NodeRef node = path.node();
-    if (node.isLeaf())
-    {
-      return hull(vertexValues<VertexRule::GTI>(path, field_, memo));
-    }
+    const Octree::Children children = path.octree().children(node.index());
     std::array<Range, 8> parts;
-    const auto visitChild = [&](TreePath& at, VertexMemo& known, int octant) {
+    const auto visitChild = [&](TreePath& at, BlockEvaluator& with, int octant) {
       at.descend(octant);
-      parts[octant] = visit(at, known);
+      parts[octant] = visit(at, with);
       at.ascend();
     };
     // Subtrees of up to 512 leaves are one task's work; a path is too large to copy for less.
@@ -40,28 +37,28 @@ public:
     {
       for (int o = 0; o < 8; ++o)
       {
-        if (!path.octree().child(node, o).isNone())
+        if (children.inner() >> o & 1)
         {
-          visitChild(path, memo, o);
+          visitChild(path, evaluator, o);
         }
       }
     }
     else
     {
       tbb::parallel_for(0, 8, [&](int o) {
-        if (!path.octree().child(node, o).isNone())
+        if (children.inner() >> o & 1)
         {
           TreePath own(path);
-          VertexMemo known;
-          visitChild(own, known, o);
+          BlockEvaluator with(field_);
+          visitChild(own, with, o);
         }
       });
     }
-    bool first = true;
-    Range all{};
+    bool first = children.leaf == 0;
+    Range all = first ? Range{} : evaluator.hull(path);
     for (int o = 0; o < 8; ++o)
     {
-      if (!path.octree().child(node, o).isNone())
+      if (children.inner() >> o & 1)
       {
         all = first ? parts[o] : Range{ std::min(all.min, parts[o].min), std::max(all.max, parts[o].max) };
         first = false;
@@ -85,8 +82,8 @@ void Field::computeNodeRanges()
   if (octree_->root().isInner())
   {
     TreePath path(*octree_);
-    VertexMemo memo;
-    RangeBuilder(*this, ranges_).visit(path, memo);
+    BlockEvaluator evaluator(*this);
+    RangeBuilder(*this, ranges_).visit(path, evaluator);
   }
 }
 
