@@ -29,16 +29,23 @@ struct VertexMask
 /// The cells around a vertex.
 struct BlockVertex
 {
-  std::uint8_t dimensions = 0;           // axes along which it lies between cells
-  std::array<std::uint8_t, 8> slot{};    // 2^dimensions of them
+  unsigned axes = 0;                      // mask of those along which it lies between cells
+  std::array<std::uint8_t, 8> slot{};     // as many as 2^axes
   std::array<std::uint8_t, 8> touching{}; // their children that touch it, should they be refined
-  std::uint64_t slots = 0;               // mask
+  std::array<std::uint16_t, 8> child{};   // the same as slot * 8 + octant, slot by slot: always eight
+  std::uint64_t slots = 0;                // mask
+  // On the lattice of the next coarser level it is the mean of these, counted from the node's lower corner.
+  std::uint8_t coarserCount = 0;
+  double coarserWeight = 1.;
+  std::array<std::uint8_t, 8> coarser{};
 };
 
 struct BlockTables
 {
   std::array<BlockVertex, 125> vertex{};
+  std::array<VertexMask, 8> verticesOfAxes{}; // those that lie between cells along these axes alone
   std::array<VertexMask, 64> verticesOfSlot{};
+  std::array<std::uint8_t, 64> childrenOfSlot{}; // that touch any vertex
   std::array<VertexMask, 8> verticesOfChild{};
   std::array<std::uint64_t, 27> slotsOfEntry{}; // of a neighbourhood
 };
@@ -58,18 +65,38 @@ constexpr BlockTables makeTables()
     const std::array<int, 3> at{ v % 5, v / 5 % 5, v / 25 };
     BlockVertex& b = t.vertex[v];
     std::array<int, 3> axes{};
+    int dimensions = 0;
     for (int a = 0; a < 3; ++a)
     {
       if (at[a] % 2 == 0)
       {
-        axes[b.dimensions++] = a;
+        axes[dimensions++] = a;
+        b.axes |= 1u << a;
       }
     }
-    for (int s = 0; s < 1 << b.dimensions; ++s)
+    int children = 0;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      bool distinct = true;
+      int coarser = 0;
+      for (int a = 2; a >= 0; --a)
+      {
+        const int upper = corner >> a & 1;
+        distinct = distinct && (upper == 0 || at[a] % 2 != 0);
+        coarser = 5 * coarser + at[a] / 2 + upper;
+      }
+      if (distinct)
+      {
+        b.coarser[b.coarserCount++] = static_cast<std::uint8_t>(coarser);
+      }
+    }
+    b.coarserWeight = 1. / b.coarserCount;
+    t.verticesOfAxes[b.axes].set(v);
+    for (int s = 0; s < 1 << dimensions; ++s)
     {
       std::array<int, 3> place{ (at[0] + 1) / 2, (at[1] + 1) / 2, (at[2] + 1) / 2 };
       std::array<int, 3> side{ -1, -1, -1 };
-      for (int d = 0; d < b.dimensions; ++d)
+      for (int d = 0; d < dimensions; ++d)
       {
         side[axes[d]] = s >> d & 1;
         place[axes[d]] = at[axes[d]] / 2 + side[axes[d]];
@@ -85,7 +112,12 @@ constexpr BlockTables makeTables()
         {
           touches = touches && (side[a] < 0 || (o >> a & 1) != side[a]);
         }
-        b.touching[s] |= static_cast<std::uint8_t>(touches << o);
+        if (touches)
+        {
+          b.touching[s] |= static_cast<std::uint8_t>(1u << o);
+          t.childrenOfSlot[slot] |= static_cast<std::uint8_t>(1u << o);
+          b.child[children++] = static_cast<std::uint16_t>(8 * slot + o);
+        }
       }
     }
   }
@@ -118,6 +150,31 @@ void forEachBit(std::uint64_t bits, const F& f)
   }
 }
 
+/// Calls f<axes>().
+template <class F>
+void forAxes(unsigned axes, const F& f) noexcept
+{
+  switch (axes)
+  {
+    case 0:
+      return f.template operator()<0>();
+    case 1:
+      return f.template operator()<1>();
+    case 2:
+      return f.template operator()<2>();
+    case 3:
+      return f.template operator()<3>();
+    case 4:
+      return f.template operator()<4>();
+    case 5:
+      return f.template operator()<5>();
+    case 6:
+      return f.template operator()<6>();
+    default:
+      return f.template operator()<7>();
+  }
+}
+
 VertexMask verticesOf(unsigned children) noexcept
 {
   VertexMask mask;
@@ -125,82 +182,223 @@ VertexMask verticesOf(unsigned children) noexcept
   return mask;
 }
 
-const double* weightsOf(int dimensions, unsigned refined) noexcept
+VertexMask verticesTouching(std::uint64_t slots) noexcept
 {
-  static constexpr double one = 1.;
-  switch (dimensions)
+  VertexMask mask;
+  for (; slots != 0; slots &= slots - 1)
   {
-    case 0:
-      return &one;
-    case 1:
-      return gtiWeights1[refined].data();
-    case 2:
-      return gtiWeights2[refined].data();
-    default:
-      return gtiWeights3[refined].data();
+    mask |= tables.verticesOfSlot[std::countr_zero(slots)];
   }
+  return mask;
+}
+
+/// Of the cells around a vertex, in their order, from a mask of slots that starts at the first of them.
+template <unsigned Axes>
+unsigned aroundVertex(std::uint64_t slots) noexcept
+{
+  if constexpr (Axes == 0)
+  {
+    return slots & 1;
+  }
+  else
+  {
+    // The highest axis joins two halves that lie 1, 4 or 16 slots apart.
+    constexpr int axis = std::bit_width(Axes) - 1;
+    constexpr unsigned rest = Axes & ~(1u << axis);
+    return aroundVertex<rest>(slots) | aroundVertex<rest>(slots >> (1 << 2 * axis))
+      << (1 << std::popcount(rest));
+  }
+}
+
+template <unsigned Axes>
+const double* weightsOf(unsigned refined) noexcept
+{
+  constexpr int dimensions = std::popcount(Axes);
+  static constexpr double one = 1.;
+  if constexpr (dimensions == 0)
+  {
+    return &one;
+  }
+  else if constexpr (dimensions == 1)
+  {
+    return gtiWeights1[refined].data();
+  }
+  else if constexpr (dimensions == 2)
+  {
+    return gtiWeights2[refined].data();
+  }
+  else
+  {
+    return gtiWeights3[refined].data();
+  }
+}
+
+/// A vertex between leaves and refined nodes of one level. Leaves have eight equal children here.
+template <unsigned Axes, class Level>
+double onLattice(const Level& level, const BlockVertex& b) noexcept
+{
+  constexpr int count = 1 << std::popcount(Axes);
+  constexpr int children = 8 / count;
+  const double* values = level.childValue[0].data();
+  const double* weights = weightsOf<Axes>(aroundVertex<Axes>(level.refined >> b.slot[0]));
+  double sum = 0.;
+  for (int s = 0; s < count; ++s)
+  {
+    double data = 0.;
+    for (int c = 0; c < children; ++c)
+    {
+      data += values[b.child[children * s + c]];
+    }
+    sum += weights[s] * (data / children);
+  }
+  return sum;
+}
+
+/// The same where cells may be missing: a place without one takes no part and counts as unrefined.
+template <unsigned Axes, class Level>
+double onSparseLattice(const Level& level, const BlockVertex& b) noexcept
+{
+  constexpr int count = 1 << std::popcount(Axes);
+  std::array<double, count> data{};
+  unsigned present = 0;
+  unsigned refined = 0;
+  for (int s = 0; s < count; ++s)
+  {
+    const int slot = b.slot[s];
+    const unsigned touching = b.touching[s] & level.childExists[slot];
+    if (touching == 0)
+    {
+      continue;
+    }
+    for (unsigned rest = touching; rest != 0; rest &= rest - 1)
+    {
+      data[s] += level.childValue[slot][std::countr_zero(rest)];
+    }
+    data[s] /= std::popcount(touching);
+    present |= 1u << s;
+    refined |= static_cast<unsigned>(level.refined >> slot & 1) << s;
+  }
+  const double* weights = weightsOf<Axes>(refined);
+  double sum = 0.;
+  double total = 0.;
+  for (int s = 0; s < count; ++s)
+  {
+    if (present >> s & 1)
+    {
+      sum += weights[s] * data[s];
+      total += weights[s];
+    }
+  }
+  return present == (1u << count) - 1 ? sum : sum / total;
+}
+
+template <unsigned Axes, class Level>
+double latticeValue(const Level& level, const BlockVertex& b) noexcept
+{
+  return (b.slots & level.missing) == 0 ? onLattice<Axes>(level, b) : onSparseLattice<Axes>(level, b);
 }
 
 } // namespace
 
-void BlockEvaluator::gatherSlots(const TreePath& path) noexcept
+const BlockEvaluator::Level& BlockEvaluator::gather(
+  const TreePath& path, int depth, Level& level) const noexcept
 {
-  const int depth = path.depth();
   const Neighbourhood& around = path.around(depth);
-  const Octree::Children own = octree_.children(path.node().index());
-  drawn_ = own.leaf != 0 ? own.leaf : own.exists;
   // Without leaf children, whatever is refined stands for itself by its mean.
-  const bool byMeans = own.leaf == 0;
-  const std::vector<float>& leaves = field_.leafValues();
-  refined_ = coarse_ = missing_ = 0;
-  deepJump_ = false;
+  const bool byMeans = &level == &byMeans_;
+  const float* leaves = field_.leafValues().data();
+  level.node = around[13];
+  level.refined = level.coarse = level.missing = 0;
+  level.coarsest = depth;
+  level.known = {};
   for (int e = 0; e < 27; ++e)
   {
     const NodeRef node = around[e];
-    const std::uint64_t slots = tables.slotsOfEntry[e];
+    std::uint64_t slots = tables.slotsOfEntry[e];
     if (!node.isInner())
     {
-      (node.isLeaf() ? coarse_ : missing_) |= slots;
-      deepJump_ = deepJump_ || (node.isLeaf() && node.depth() < depth);
+      (node.isLeaf() ? level.coarse : level.missing) |= slots;
+      level.coarsest = node.isLeaf() ? std::min(level.coarsest, node.depth()) : level.coarsest;
+      for (; slots != 0; slots &= slots - 1)
+      {
+        const int slot = std::countr_zero(slots);
+        level.value[slot] = 0.;
+        level.depth[slot] = static_cast<std::uint8_t>(node.depth());
+      }
       continue;
     }
     const Octree::Children children = octree_.children(node.index());
-    forEachBit(slots, [&](int slot) {
+    for (; slots != 0; slots &= slots - 1)
+    {
+      const int slot = std::countr_zero(slots);
       const int octant = octantOfSlot(slot);
       const unsigned bit = 1u << octant;
       if (children.leaf & bit)
       {
-        slot_[slot] = leaves[children.leafIndex(octant)];
+        level.value[slot] = leaves[children.leafIndex(octant)];
+        continue;
       }
-      else if (!(children.exists & bit))
+      level.value[slot] = 0.;
+      if (!(children.exists & bit))
       {
-        missing_ |= std::uint64_t(1) << slot;
+        level.missing |= slots & -slots;
+      }
+      else if (byMeans)
+      {
+        level.value[slot] = field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
       }
       else
       {
-        inner_[slot] = children.innerIndex(octant);
-        if (byMeans)
-        {
-          slot_[slot] = field_.value({ NodeKind::Inner, depth + 1, inner_[slot] });
-        }
-        else
-        {
-          refined_ |= std::uint64_t(1) << slot;
-        }
+        level.refined |= slots & -slots;
+        gatherChildren(level, slot, children.innerIndex(octant));
       }
-    });
+    }
   }
-  forEachBit(refined_ | coarse_ | missing_, [&](int slot) { slot_[slot] = 0.; });
+  if ((level.refined | level.missing) != 0)
+  {
+    for (std::uint64_t slots = ~level.refined; slots != 0; slots &= slots - 1)
+    {
+      const int slot = std::countr_zero(slots);
+      level.childExists[slot] = level.missing >> slot & 1 ? 0 : 0xff;
+      level.childValue[slot].fill(level.value[slot]);
+    }
+  }
+  return level;
+}
+
+void BlockEvaluator::gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept
+{
+  const Octree::Children children = octree_.children(inner);
+  const unsigned wanted = tables.childrenOfSlot[slot];
+  level.childExists[slot] = static_cast<std::uint8_t>(children.exists);
+  level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << slot;
+  for (unsigned rest = wanted & children.exists; rest != 0; rest &= rest - 1)
+  {
+    const int octant = std::countr_zero(rest);
+    level.childValue[slot][octant] = children.leaf >> octant & 1
+      ? field_.leafValues()[children.leafIndex(octant)]
+      : field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
+  }
+}
+
+BlockEvaluator::Level& BlockEvaluator::levelAt(const TreePath& path, int depth) noexcept
+{
+  Level& level = levels_[depth];
+  if (!(level.node == path.around(depth)[13]))
+  {
+    gather(path, depth, level);
+  }
+  return level;
 }
 
 /// As if all 64 were leaves of one size: means along one axis after the other.
-void BlockEvaluator::uniformValues() noexcept
+void BlockEvaluator::uniformValues(const Level& level) noexcept
 {
   std::array<double, 5 * 16> x;  // x, slots of y and z
   std::array<double, 25 * 4> xy; // x, y, slots of z
   for (int row = 0; row < 16; ++row)
   {
-    const double* s = slot_.data() + 4 * row;
+    const double* s = level.value.data() + 4 * row;
     double* v = x.data() + 5 * row;
     v[0] = 0.5 * (s[0] + s[1]);
     v[1] = s[1];
@@ -225,133 +423,141 @@ void BlockEvaluator::uniformValues() noexcept
   expand(xy.data(), values_.data(), 25);
 }
 
-double BlockEvaluator::onLattice(int vertex) const noexcept
+/// On a face or edge of a coarser leaf: between the vertices of that leaf's level around this one. All of them
+/// are vertices of the path's node of that level, because that node touches this vertex.
+double BlockEvaluator::hanging(
+  const TreePath& path, int depth, const Level& level, int vertex) noexcept
 {
   const BlockVertex& b = tables.vertex[vertex];
-  const int count = 1 << b.dimensions;
-  std::array<double, 8> data;
-  unsigned present = 0;
-  unsigned refined = 0;
-  for (int s = 0; s < count; ++s)
+  if (level.coarsest < depth)
   {
-    const int slot = b.slot[s];
-    if (missing_ >> slot & 1)
+    int coarsest = depth;
+    for (std::uint64_t slots = b.slots & level.coarse; slots != 0; slots &= slots - 1)
     {
-      continue;
+      coarsest = std::min<int>(coarsest, level.depth[std::countr_zero(slots)]);
     }
-    if (!(refined_ >> slot & 1))
+    if (coarsest < depth)
     {
-      data[s] = slot_[slot];
-      present |= 1u << s;
-      continue;
+      return hangingDeep(path, depth, coarsest, vertex);
     }
-    const Octree::Children children = octree_.children(inner_[slot]);
-    const unsigned touching = b.touching[s] & children.exists;
-    if (touching == 0)
-    {
-      continue;
-    }
-    double sum = 0.;
-    int summands = 0;
-    for (unsigned rest = touching; rest != 0; rest &= rest - 1)
-    {
-      const int octant = std::countr_zero(rest);
-      sum += children.leaf >> octant & 1
-        ? field_.leafValues()[children.leafIndex(octant)]
-        : field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
-      ++summands;
-    }
-    data[s] = sum / summands;
-    present |= 1u << s;
-    refined |= 1u << s;
   }
-  const double* weights = weightsOf(b.dimensions, refined);
+  const auto& index = path.index(depth);
+  const int corner = static_cast<int>(2 * (index[0] & 1) + 10 * (index[1] & 1) + 50 * (index[2] & 1));
+  Level& coarser = levelAt(path, depth - 1);
   double sum = 0.;
-  double total = 0.;
-  for (int s = 0; s < count; ++s)
+  for (int i = 0; i < b.coarserCount; ++i)
   {
-    if (present >> s & 1)
-    {
-      sum += weights[s] * data[s];
-      total += weights[s];
-    }
+    sum += specialValue(path, depth - 1, coarser, corner + b.coarser[i]);
   }
-  return present == (1u << count) - 1 ? sum : sum / total;
+  return sum * b.coarserWeight;
 }
 
-/// On the face or edge of a leaf of the node's size: from the vertices of the node itself.
-double BlockEvaluator::hanging(const TreePath& path, int vertex) noexcept
+double BlockEvaluator::hangingDeep(const TreePath& path, int depth, int coarsest, int vertex) noexcept
 {
-  const int depth = path.depth();
+  const int up = depth + 1 - coarsest;
   const std::array<int, 3> at{ vertex % 5, vertex / 5 % 5, vertex / 25 };
-  constexpr std::array<int, 3> stride{ 1, 3, 9 };
+  constexpr std::array<int, 3> stride{ 1, 5, 25 };
   int base = 0;
   int hangs = 0;
   std::array<int, 3> strideOf{};
+  std::array<double, 3> fraction{};
   for (int a = 0; a < 3; ++a)
   {
-    base += stride[a] * (at[a] / 2);
-    if (at[a] % 2 != 0)
+    // In half widths of the children, and of the children of the coarsest leaf's parent.
+    const Coord position = 4 * path.index(depth)[a] + at[a];
+    const Coord floor = position >> up;
+    base += stride[a] * static_cast<int>(floor - 4 * path.index(coarsest - 1)[a]);
+    const Coord rest = position - (floor << up);
+    if (rest != 0)
     {
+      fraction[hangs] = static_cast<double>(rest) / static_cast<double>(Coord(1) << up);
       strideOf[hangs++] = stride[a];
     }
   }
+  Level& coarser = levelAt(path, coarsest - 1);
   double sum = 0.;
   for (int corner = 0; corner < 1 << hangs; ++corner)
   {
+    double weight = 1.;
     int v = base;
     for (int d = 0; d < hangs; ++d)
     {
-      v += corner >> d & 1 ? strideOf[d] : 0;
+      const bool upper = corner >> d & 1;
+      weight *= upper ? fraction[d] : 1. - fraction[d];
+      v += upper ? strideOf[d] : 0;
     }
-    sum += memo_.get(
-      depth, path.node(), v, [&]() noexcept { return latticeVertex(path, depth, v, field_, memo_); });
+    sum += weight * specialValue(path, coarsest - 1, coarser, v);
   }
-  return sum / (1 << hangs);
+  return sum;
 }
 
-void BlockEvaluator::correctValues(const TreePath& path) noexcept
+double BlockEvaluator::specialValue(
+  const TreePath& path, int depth, Level& level, int vertex) noexcept
 {
-  VertexMask special;
-  forEachBit(refined_ | coarse_ | missing_, [&](int slot) { special |= tables.verticesOfSlot[slot]; });
+  std::uint64_t& known = level.known[vertex >> 6];
+  const std::uint64_t bit = std::uint64_t(1) << (vertex & 63);
+  if (!(known & bit))
+  {
+    // Recursion reaches coarser levels only: this one keeps its node.
+    const BlockVertex& b = tables.vertex[vertex];
+    double& value = level.special[vertex];
+    if ((b.slots & level.coarse) != 0)
+    {
+      value = hanging(path, depth, level, vertex);
+    }
+    else
+    {
+      forAxes(b.axes, [&]<unsigned Axes>() noexcept { value = latticeValue<Axes>(level, b); });
+    }
+    known |= bit;
+  }
+  return level.special[vertex];
+}
+
+void BlockEvaluator::evaluate(const TreePath& path) noexcept
+{
+  const int depth = path.depth();
+  const Octree::Children own = octree_.children(path.node().index());
+  drawn_ = own.leaf != 0 ? own.leaf : own.exists;
+  Level* level = &byMeans_;
+  if (own.leaf != 0)
+  {
+    level = &levelAt(path, depth);
+  }
+  else
+  {
+    gather(path, depth, byMeans_);
+  }
+  uniformValues(*level);
+  if ((level->refined | level->coarse | level->missing) == 0)
+  {
+    return;
+  }
+  VertexMask special = verticesTouching(level->refined | level->missing);
+  const VertexMask hangs = verticesTouching(level->coarse);
   const VertexMask wanted = verticesOf(drawn_);
   for (int word = 0; word < 2; ++word)
   {
-    forEachBit(special.bits[word] & wanted.bits[word], [&](int bit) {
-      const int vertex = 64 * word + bit;
-      values_[vertex] =
-        (tables.vertex[vertex].slots & coarse_) != 0 ? hanging(path, vertex) : onLattice(vertex);
-    });
-  }
-}
-
-/// The general way, for level jumps of more than one.
-void BlockEvaluator::leafByLeaf(TreePath& path) noexcept
-{
-  forEachBit(drawn_, [&](int octant) {
-    path.descend(octant);
-    const int corner = 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2);
-    for (int v = 0; v < 27; ++v)
+    for (std::uint64_t rest = hangs.bits[word] & wanted.bits[word]; rest != 0; rest &= rest - 1)
     {
-      values_[corner + v % 3 + 5 * (v / 3 % 3) + 25 * (v / 9)] =
-        latticeVertex(path, path.depth(), v, field_, memo_);
+      const int vertex = 64 * word + std::countr_zero(rest);
+      values_[vertex] = hanging(path, depth, *level, vertex);
     }
-    path.ascend();
-  });
-}
-
-void BlockEvaluator::evaluate(TreePath& path) noexcept
-{
-  gatherSlots(path);
-  if (deepJump_)
-  {
-    leafByLeaf(path);
-    return;
+    special.bits[word] &= wanted.bits[word] & ~hangs.bits[word];
   }
-  uniformValues();
-  if ((refined_ | coarse_ | missing_) != 0)
+  for (unsigned axes = 0; axes < 8; ++axes)
   {
-    correctValues(path);
+    forAxes(axes, [&]<unsigned Axes>() noexcept {
+      for (int word = 0; word < 2; ++word)
+      {
+        std::uint64_t rest = special.bits[word] & tables.verticesOfAxes[Axes].bits[word];
+        for (; rest != 0; rest &= rest - 1)
+        {
+          const int vertex = 64 * word + std::countr_zero(rest);
+          values_[vertex] = latticeValue<Axes>(*level, tables.vertex[vertex]);
+        }
+      }
+    });
   }
 }
 
@@ -389,13 +595,13 @@ Range BlockEvaluator::rangeOfDrawn() const noexcept
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
-Range BlockEvaluator::hull(TreePath& path) noexcept
+Range BlockEvaluator::hull(const TreePath& path) noexcept
 {
   evaluate(path);
   return rangeOfDrawn();
 }
 
-void BlockEvaluator::compute(TreePath& path, BlockValues& block) noexcept
+void BlockEvaluator::compute(const TreePath& path, BlockValues& block) noexcept
 {
   evaluate(path);
   block.range = rangeOfDrawn();

@@ -4,9 +4,12 @@
 // 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node.
 #pragma once
 
-#include "Interpolation/VertexValues.h"
+#include "Octree/Field.h"
+#include "Octree/TreePath.h"
 
 #include <array>
+#include <cstdint>
+#include <vector>
 
 namespace treeamr
 {
@@ -21,41 +24,54 @@ struct BlockValues
 
 /// GTI at the vertices of the leaves among the children of an inner node, the same values bit for bit as
 /// vertexValues() gives for each. A node without leaf children is drawn from its children's means and its
-/// surroundings' (level of detail). The path must end at the inner node; it is back there afterwards.
+/// surroundings' (level of detail). The path must end at the inner node. Vertices that hang on coarser faces
+/// are kept while a walk stays below their node.
 class BlockEvaluator
 {
 public:
-  explicit BlockEvaluator(const Field& field) noexcept
+  explicit BlockEvaluator(const Field& field)
     : field_(field)
     , octree_(field.octree())
+    , levels_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
   {
   }
-  void compute(TreePath& path, BlockValues& block) noexcept;
+  void compute(const TreePath& path, BlockValues& block) noexcept;
   /// The hull alone. Needs a leaf among the children.
-  Range hull(TreePath& path) noexcept;
+  Range hull(const TreePath& path) noexcept;
 
 private:
-  void gatherSlots(const TreePath& path) noexcept;
-  void uniformValues() noexcept;
-  void correctValues(const TreePath& path) noexcept;
-  double onLattice(int vertex) const noexcept;
-  double hanging(const TreePath& path, int vertex) noexcept;
-  void leafByLeaf(TreePath& path) noexcept;
-  void evaluate(TreePath& path) noexcept;
+  /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, and the vertices
+  /// that are not plain means of them.
+  struct Level
+  {
+    NodeRef node{};
+    std::uint64_t refined; // masks: inner nodes,
+    std::uint64_t coarse;  // parts of coarser leaves,
+    std::uint64_t missing; // places without a cell, or with one missing among the children that matter
+    std::array<double, 64> value;
+    std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
+    std::array<std::uint8_t, 64> childExists;
+    std::array<std::uint8_t, 64> depth; // of the coarse
+    int coarsest;                       // of them, or the node's own depth
+    std::array<std::uint64_t, 2> known;
+    std::array<double, 125> special;
+  };
+
+  const Level& gather(const TreePath& path, int depth, Level& level) const noexcept;
+  Level& levelAt(const TreePath& path, int depth) noexcept;
+  double specialValue(const TreePath& path, int depth, Level& level, int vertex) noexcept;
+  void gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept;
+  double hanging(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
+  double hangingDeep(const TreePath& path, int depth, int coarsest, int vertex) noexcept;
+  void uniformValues(const Level& level) noexcept;
+  void evaluate(const TreePath& path) noexcept;
   Range rangeOfDrawn() const noexcept;
 
   const Field& field_;
   const Octree& octree_;
-  VertexMemo memo_;
-
-  // Of the node at hand: the 4 x 4 x 4 places of the children's size, x + 4 y + 16 z, as masks and values.
-  std::uint64_t refined_; // inner nodes
-  std::uint64_t coarse_;  // parts of coarser leaves
-  std::uint64_t missing_;
-  bool deepJump_; // some coarse leaf is larger than the node
+  std::vector<Level> levels_; // by depth of the inner node
+  Level byMeans_;
   unsigned drawn_; // children whose vertices are wanted
-  std::array<double, 64> slot_;
-  std::array<std::uint64_t, 64> inner_; // index of the refined ones
   std::array<double, 125> values_;
 };
 

@@ -2,6 +2,7 @@
 // Exact, unlike the paper's ranges of cell values: an octant's vertices also use the cells around it.
 #include "Interpolation/BlockValues.h"
 
+#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
@@ -19,19 +20,18 @@ public:
     : field_(field)
     , ranges_(ranges)
     , serialDepth_(field.octree().grid().paddingDepth() + field.octree().leafLevels() - 3)
+    , evaluators_([&field] { return BlockEvaluator(field); })
   {
   }
 
-  Range visit(TreePath& path, BlockEvaluator& evaluator) const
+  Range visit(TreePath& path) { return visit(path, evaluators_.local()); }
+
+private:
+  Range visit(TreePath& path, BlockEvaluator& evaluator)
   {
     const NodeRef node = path.node();
     const Octree::Children children = path.octree().children(node.index());
     std::array<Range, 8> parts;
-    const auto visitChild = [&](TreePath& at, BlockEvaluator& with, int octant) {
-      at.descend(octant);
-      parts[octant] = visit(at, with);
-      at.ascend();
-    };
     // Subtrees of up to 512 leaves are one task's work; a path is too large to copy for less.
     if (path.depth() >= serialDepth_)
     {
@@ -39,7 +39,9 @@ public:
       {
         if (children.inner() >> o & 1)
         {
-          visitChild(path, evaluator, o);
+          path.descend(o);
+          parts[o] = visit(path, evaluator);
+          path.ascend();
         }
       }
     }
@@ -49,8 +51,8 @@ public:
         if (children.inner() >> o & 1)
         {
           TreePath own(path);
-          BlockEvaluator with(field_);
-          visitChild(own, with, o);
+          own.descend(o);
+          parts[o] = visit(own);
         }
       });
     }
@@ -68,10 +70,11 @@ public:
     return all;
   }
 
-private:
   const Field& field_;
   std::vector<Range>& ranges_;
   int serialDepth_;
+  // Whose kept values name their nodes: a thread that waits in one subtree may work in another.
+  tbb::enumerable_thread_specific<BlockEvaluator> evaluators_;
 };
 
 } // namespace
@@ -82,8 +85,7 @@ void Field::computeNodeRanges()
   if (octree_->root().isInner())
   {
     TreePath path(*octree_);
-    BlockEvaluator evaluator(*this);
-    RangeBuilder(*this, ranges_).visit(path, evaluator);
+    RangeBuilder(*this, ranges_).visit(path);
   }
 }
 

@@ -281,12 +281,6 @@ VertexValues vertexValues(const TreePath& path, const Field& field, VertexMemo& 
   return values;
 }
 
-double latticeVertex(
-  const TreePath& path, int depth, int vertex, const Field& field, VertexMemo& memo) noexcept
-{
-  return Evaluator<VertexRule::GTI>(path, field, memo).value(depth, vertex);
-}
-
 template VertexValues vertexValues<VertexRule::GTI>(const TreePath&, const Field&, VertexMemo&) noexcept;
 template VertexValues vertexValues<VertexRule::Octant>(const TreePath&, const Field&, VertexMemo&) noexcept;
 

@@ -75,11 +75,6 @@ VertexValues vertexValues(const TreePath& path, const Field& field) noexcept
   return vertexValues<Rule>(path, field, memo);
 }
 
-/// The GTI value of one vertex of the path's node at a depth, in double precision; some leaf around the vertex
-/// is of that depth or coarser.
-double latticeVertex(
-  const TreePath& path, int depth, int vertex, const Field& field, VertexMemo& memo) noexcept;
-
 /// Hull of the 27 values, and so of the field inside the leaf.
 inline Range hull(const VertexValues& values) noexcept
 {

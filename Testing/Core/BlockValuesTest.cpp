@@ -1,5 +1,6 @@
 // The values of eight leaves at once, against those of each leaf alone.
 #include "Interpolation/BlockValues.h"
+#include "Interpolation/VertexValues.h"
 #include "Octree/OctreeBuilder.h"
 #include "Support/RandomTrees.h"
 
