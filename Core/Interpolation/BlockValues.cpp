@@ -12,19 +12,38 @@ namespace treeamr
 namespace
 {
 
-/// Bit v: vertex v of a block.
-struct VertexMask
+constexpr void add(BlockVertexMask& mask, int v)
 {
-  std::array<std::uint64_t, 2> bits{};
+  mask[v >> 6] |= std::uint64_t(1) << (v & 63);
+}
 
-  constexpr void set(int v) { bits[v >> 6] |= std::uint64_t(1) << (v & 63); }
-  constexpr VertexMask& operator|=(const VertexMask& other)
+constexpr void add(BlockVertexMask& mask, const BlockVertexMask& more)
+{
+  mask[0] |= more[0];
+  mask[1] |= more[1];
+}
+
+constexpr BlockVertexMask without(const BlockVertexMask& mask, const BlockVertexMask& others)
+{
+  return { mask[0] & ~others[0], mask[1] & ~others[1] };
+}
+
+constexpr BlockVertexMask both(const BlockVertexMask& a, const BlockVertexMask& b)
+{
+  return { a[0] & b[0], a[1] & b[1] };
+}
+
+template <class F>
+void forEachVertex(const BlockVertexMask& mask, const F& f)
+{
+  for (int word = 0; word < 2; ++word)
   {
-    bits[0] |= other.bits[0];
-    bits[1] |= other.bits[1];
-    return *this;
+    for (std::uint64_t rest = mask[word]; rest != 0; rest &= rest - 1)
+    {
+      f(64 * word + std::countr_zero(rest));
+    }
   }
-};
+}
 
 /// The cells around a vertex.
 struct BlockVertex
@@ -43,11 +62,14 @@ struct BlockVertex
 struct BlockTables
 {
   std::array<BlockVertex, 125> vertex{};
-  std::array<VertexMask, 8> verticesOfAxes{}; // those that lie between cells along these axes alone
-  std::array<VertexMask, 64> verticesOfSlot{};
+  std::array<BlockVertexMask, 8> verticesOfAxes{}; // those that lie between cells along these axes alone
+  std::array<BlockVertexMask, 64> verticesOfSlot{};
   std::array<std::uint8_t, 64> childrenOfSlot{}; // that touch any vertex
-  std::array<VertexMask, 8> verticesOfChild{};
+  std::array<BlockVertexMask, 8> verticesOfChild{};
   std::array<std::uint64_t, 27> slotsOfEntry{}; // of a neighbourhood
+  // Vertices of the node itself that touch an entry, on the lattice of its parent's children, counted from the
+  // node's lower corner: all in the first word.
+  std::array<std::uint64_t, 27> nodeVerticesOfEntry{};
 };
 
 constexpr int slotIndex(int x, int y, int z)
@@ -91,7 +113,7 @@ constexpr BlockTables makeTables()
       }
     }
     b.coarserWeight = 1. / b.coarserCount;
-    t.verticesOfAxes[b.axes].set(v);
+    add(t.verticesOfAxes[b.axes], v);
     for (int s = 0; s < 1 << dimensions; ++s)
     {
       std::array<int, 3> place{ (at[0] + 1) / 2, (at[1] + 1) / 2, (at[2] + 1) / 2 };
@@ -104,7 +126,7 @@ constexpr BlockTables makeTables()
       const int slot = slotIndex(place[0], place[1], place[2]);
       b.slot[s] = static_cast<std::uint8_t>(slot);
       b.slots |= std::uint64_t(1) << slot;
-      t.verticesOfSlot[slot].set(v);
+      add(t.verticesOfSlot[slot], v);
       for (int o = 0; o < 8; ++o)
       {
         bool touches = true;
@@ -127,6 +149,20 @@ constexpr BlockTables makeTables()
     t.slotsOfEntry[(at[0] + 1) / 2 + 3 * ((at[1] + 1) / 2) + 9 * ((at[2] + 1) / 2)] |= std::uint64_t(1)
       << slot;
   }
+  for (int e = 0; e < 27; ++e)
+  {
+    const std::array<int, 3> entry{ e % 3, e / 3 % 3, e / 9 };
+    for (int v = 0; v < 27; ++v)
+    {
+      const std::array<int, 3> at{ v % 3, v / 3 % 3, v / 9 };
+      bool touches = true;
+      for (int a = 0; a < 3; ++a)
+      {
+        touches = touches && (entry[a] == 1 || at[a] == entry[a]);
+      }
+      t.nodeVerticesOfEntry[e] |= static_cast<std::uint64_t>(touches) << (at[0] + 5 * at[1] + 25 * at[2]);
+    }
+  }
   for (int o = 0; o < 8; ++o)
   {
     t.verticesOfChild[o] = t.verticesOfSlot[slotIndex(1 + (o & 1), 1 + (o >> 1 & 1), 1 + (o >> 2))];
@@ -139,15 +175,6 @@ constexpr BlockTables tables = makeTables();
 constexpr int octantOfSlot(int slot)
 {
   return (~slot & 1) | (~slot >> 2 & 1) << 1 | (~slot >> 4 & 1) << 2;
-}
-
-template <class F>
-void forEachBit(std::uint64_t bits, const F& f)
-{
-  for (; bits != 0; bits &= bits - 1)
-  {
-    f(std::countr_zero(bits));
-  }
 }
 
 /// Calls f<axes>().
@@ -175,19 +202,22 @@ void forAxes(unsigned axes, const F& f) noexcept
   }
 }
 
-VertexMask verticesOf(unsigned children) noexcept
+BlockVertexMask verticesOf(unsigned children) noexcept
 {
-  VertexMask mask;
-  forEachBit(children, [&](int octant) { mask |= tables.verticesOfChild[octant]; });
+  BlockVertexMask mask{};
+  for (; children != 0; children &= children - 1)
+  {
+    add(mask, tables.verticesOfChild[std::countr_zero(children)]);
+  }
   return mask;
 }
 
-VertexMask verticesTouching(std::uint64_t slots) noexcept
+BlockVertexMask verticesTouching(std::uint64_t slots) noexcept
 {
-  VertexMask mask;
+  BlockVertexMask mask{};
   for (; slots != 0; slots &= slots - 1)
   {
-    mask |= tables.verticesOfSlot[std::countr_zero(slots)];
+    add(mask, tables.verticesOfSlot[std::countr_zero(slots)]);
   }
   return mask;
 }
@@ -205,8 +235,8 @@ unsigned aroundVertex(std::uint64_t slots) noexcept
     // The highest axis joins two halves that lie 1, 4 or 16 slots apart.
     constexpr int axis = std::bit_width(Axes) - 1;
     constexpr unsigned rest = Axes & ~(1u << axis);
-    return aroundVertex<rest>(slots) | aroundVertex<rest>(slots >> (1 << 2 * axis))
-      << (1 << std::popcount(rest));
+    return aroundVertex<rest>(slots) |
+      aroundVertex<rest>(slots >> (1 << 2 * axis)) << (1 << std::popcount(rest));
   }
 }
 
@@ -300,8 +330,7 @@ double latticeValue(const Level& level, const BlockVertex& b) noexcept
 
 } // namespace
 
-const BlockEvaluator::Level& BlockEvaluator::gather(
-  const TreePath& path, int depth, Level& level) const noexcept
+void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const noexcept
 {
   const Neighbourhood& around = path.around(depth);
   // Without leaf children, whatever is refined stands for itself by its mean.
@@ -309,6 +338,7 @@ const BlockEvaluator::Level& BlockEvaluator::gather(
   const float* leaves = field_.leafValues().data();
   level.node = around[13];
   level.refined = level.coarse = level.missing = 0;
+  level.coarseEntries = 0;
   level.coarsest = depth;
   level.known = {};
   for (int e = 0; e < 27; ++e)
@@ -317,8 +347,16 @@ const BlockEvaluator::Level& BlockEvaluator::gather(
     std::uint64_t slots = tables.slotsOfEntry[e];
     if (!node.isInner())
     {
-      (node.isLeaf() ? level.coarse : level.missing) |= slots;
-      level.coarsest = node.isLeaf() ? std::min(level.coarsest, node.depth()) : level.coarsest;
+      if (node.isLeaf())
+      {
+        level.coarse |= slots;
+        level.coarseEntries |= 1u << e;
+        level.coarsest = std::min(level.coarsest, node.depth());
+      }
+      else
+      {
+        level.missing |= slots;
+      }
       for (; slots != 0; slots &= slots - 1)
       {
         const int slot = std::countr_zero(slots);
@@ -363,7 +401,7 @@ const BlockEvaluator::Level& BlockEvaluator::gather(
       level.childValue[slot].fill(level.value[slot]);
     }
   }
-  return level;
+  level.hanging = verticesTouching(level.coarse);
 }
 
 void BlockEvaluator::gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept
@@ -423,37 +461,74 @@ void BlockEvaluator::uniformValues(const Level& level) noexcept
   expand(xy.data(), values_.data(), 25);
 }
 
-/// On a face or edge of a coarser leaf: between the vertices of that leaf's level around this one. All of them
-/// are vertices of the path's node of that level, because that node touches this vertex.
-double BlockEvaluator::hanging(
-  const TreePath& path, int depth, const Level& level, int vertex) noexcept
+/// The level with these vertices known.
+BlockEvaluator::Level& BlockEvaluator::withSpecial(
+  const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept
 {
-  const BlockVertex& b = tables.vertex[vertex];
-  if (level.coarsest < depth)
+  Level& level = levelAt(path, depth);
+  const BlockVertexMask wanted = without(vertices, level.known);
+  if ((wanted[0] | wanted[1]) != 0)
   {
-    int coarsest = depth;
-    for (std::uint64_t slots = b.slots & level.coarse; slots != 0; slots &= slots - 1)
-    {
-      coarsest = std::min<int>(coarsest, level.depth[std::countr_zero(slots)]);
-    }
-    if (coarsest < depth)
-    {
-      return hangingDeep(path, depth, coarsest, vertex);
-    }
+    // Recursion reaches coarser levels only: this one keeps its node.
+    computeSpecial(path, depth, level, wanted, level.special.data());
+    add(level.known, wanted);
   }
-  const auto& index = path.index(depth);
-  const int corner = static_cast<int>(2 * (index[0] & 1) + 10 * (index[1] & 1) + 50 * (index[2] & 1));
-  Level& coarser = levelAt(path, depth - 1);
-  double sum = 0.;
-  for (int i = 0; i < b.coarserCount; ++i)
-  {
-    sum += specialValue(path, depth - 1, coarser, corner + b.coarser[i]);
-  }
-  return sum * b.coarserWeight;
+  return level;
 }
 
-double BlockEvaluator::hangingDeep(const TreePath& path, int depth, int coarsest, int vertex) noexcept
+/// Vertices on a face or edge of a coarser leaf lie between the vertices of that leaf's level around them. All
+/// of these are vertices of the path's node of that level, because that node touches them.
+void BlockEvaluator::computeSpecial(
+  const TreePath& path, int depth, const Level& level, const BlockVertexMask& wanted, double* out) noexcept
 {
+  const BlockVertexMask hanging = both(wanted, level.hanging);
+  if ((hanging[0] | hanging[1]) != 0)
+  {
+    if (level.coarsest == depth)
+    {
+      const auto& index = path.index(depth);
+      const int corner = static_cast<int>(2 * (index[0] & 1) + 10 * (index[1] & 1) + 50 * (index[2] & 1));
+      std::uint64_t around = 0;
+      for (std::uint32_t rest = level.coarseEntries; rest != 0; rest &= rest - 1)
+      {
+        around |= tables.nodeVerticesOfEntry[std::countr_zero(rest)];
+      }
+      const Level& coarser =
+        withSpecial(path, depth - 1, { around << corner, corner == 0 ? 0 : around >> (64 - corner) });
+      const double* values = coarser.special.data() + corner;
+      forEachVertex(hanging, [&](int vertex) {
+        const BlockVertex& b = tables.vertex[vertex];
+        double sum = 0.;
+        for (int i = 0; i < b.coarserCount; ++i)
+        {
+          sum += values[b.coarser[i]];
+        }
+        out[vertex] = sum * b.coarserWeight;
+      });
+    }
+    else
+    {
+      forEachVertex(hanging, [&](int vertex) { out[vertex] = hangingDeep(path, depth, level, vertex); });
+    }
+  }
+  const BlockVertexMask lattice = without(wanted, level.hanging);
+  for (unsigned axes = 0; axes < 8; ++axes)
+  {
+    forAxes(axes, [&]<unsigned Axes>() noexcept {
+      forEachVertex(both(lattice, tables.verticesOfAxes[Axes]),
+        [&](int vertex) { out[vertex] = latticeValue<Axes>(level, tables.vertex[vertex]); });
+    });
+  }
+}
+
+/// Where leaves may be larger than the node itself.
+double BlockEvaluator::hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept
+{
+  int coarsest = depth;
+  for (std::uint64_t slots = tables.vertex[vertex].slots & level.coarse; slots != 0; slots &= slots - 1)
+  {
+    coarsest = std::min<int>(coarsest, level.depth[std::countr_zero(slots)]);
+  }
   const int up = depth + 1 - coarsest;
   const std::array<int, 3> at{ vertex % 5, vertex / 5 % 5, vertex / 25 };
   constexpr std::array<int, 3> stride{ 1, 5, 25 };
@@ -474,7 +549,6 @@ double BlockEvaluator::hangingDeep(const TreePath& path, int depth, int coarsest
       strideOf[hangs++] = stride[a];
     }
   }
-  Level& coarser = levelAt(path, coarsest - 1);
   double sum = 0.;
   for (int corner = 0; corner < 1 << hangs; ++corner)
   {
@@ -486,32 +560,11 @@ double BlockEvaluator::hangingDeep(const TreePath& path, int depth, int coarsest
       weight *= upper ? fraction[d] : 1. - fraction[d];
       v += upper ? strideOf[d] : 0;
     }
-    sum += weight * specialValue(path, coarsest - 1, coarser, v);
+    BlockVertexMask one{};
+    add(one, v);
+    sum += weight * withSpecial(path, coarsest - 1, one).special[v];
   }
   return sum;
-}
-
-double BlockEvaluator::specialValue(
-  const TreePath& path, int depth, Level& level, int vertex) noexcept
-{
-  std::uint64_t& known = level.known[vertex >> 6];
-  const std::uint64_t bit = std::uint64_t(1) << (vertex & 63);
-  if (!(known & bit))
-  {
-    // Recursion reaches coarser levels only: this one keeps its node.
-    const BlockVertex& b = tables.vertex[vertex];
-    double& value = level.special[vertex];
-    if ((b.slots & level.coarse) != 0)
-    {
-      value = hanging(path, depth, level, vertex);
-    }
-    else
-    {
-      forAxes(b.axes, [&]<unsigned Axes>() noexcept { value = latticeValue<Axes>(level, b); });
-    }
-    known |= bit;
-  }
-  return level.special[vertex];
 }
 
 void BlockEvaluator::evaluate(const TreePath& path) noexcept
@@ -533,32 +586,8 @@ void BlockEvaluator::evaluate(const TreePath& path) noexcept
   {
     return;
   }
-  VertexMask special = verticesTouching(level->refined | level->missing);
-  const VertexMask hangs = verticesTouching(level->coarse);
-  const VertexMask wanted = verticesOf(drawn_);
-  for (int word = 0; word < 2; ++word)
-  {
-    for (std::uint64_t rest = hangs.bits[word] & wanted.bits[word]; rest != 0; rest &= rest - 1)
-    {
-      const int vertex = 64 * word + std::countr_zero(rest);
-      values_[vertex] = hanging(path, depth, *level, vertex);
-    }
-    special.bits[word] &= wanted.bits[word] & ~hangs.bits[word];
-  }
-  for (unsigned axes = 0; axes < 8; ++axes)
-  {
-    forAxes(axes, [&]<unsigned Axes>() noexcept {
-      for (int word = 0; word < 2; ++word)
-      {
-        std::uint64_t rest = special.bits[word] & tables.verticesOfAxes[Axes].bits[word];
-        for (; rest != 0; rest &= rest - 1)
-        {
-          const int vertex = 64 * word + std::countr_zero(rest);
-          values_[vertex] = latticeValue<Axes>(*level, tables.vertex[vertex]);
-        }
-      }
-    });
-  }
+  const BlockVertexMask special = verticesTouching(level->refined | level->coarse | level->missing);
+  computeSpecial(path, depth, *level, both(special, verticesOf(drawn_)), values_.data());
 }
 
 Range BlockEvaluator::rangeOfDrawn() const noexcept
@@ -584,14 +613,10 @@ Range BlockEvaluator::rangeOfDrawn() const noexcept
   }
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  const VertexMask wanted = verticesOf(drawn_);
-  for (int word = 0; word < 2; ++word)
-  {
-    forEachBit(wanted.bits[word], [&](int bit) {
-      low = std::min(low, values_[64 * word + bit]);
-      high = std::max(high, values_[64 * word + bit]);
-    });
-  }
+  forEachVertex(verticesOf(drawn_), [&](int vertex) {
+    low = std::min(low, values_[vertex]);
+    high = std::max(high, values_[vertex]);
+  });
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
@@ -611,13 +636,8 @@ void BlockEvaluator::compute(const TreePath& path, BlockValues& block) noexcept
     return;
   }
   block.values.fill(block.range.min);
-  const VertexMask wanted = verticesOf(drawn_);
-  for (int word = 0; word < 2; ++word)
-  {
-    forEachBit(wanted.bits[word], [&](int bit) {
-      block.values[64 * word + bit] = static_cast<float>(values_[64 * word + bit]);
-    });
-  }
+  forEachVertex(
+    verticesOf(drawn_), [&](int vertex) { block.values[vertex] = static_cast<float>(values_[vertex]); });
 }
 
 } // namespace treeamr

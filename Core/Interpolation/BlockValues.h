@@ -22,6 +22,9 @@ struct BlockValues
   Range range; // hull of the drawn children's vertex values
 };
 
+/// Bit v & 63 of word v >> 6: vertex v of a block.
+using BlockVertexMask = std::array<std::uint64_t, 2>;
+
 /// GTI at the vertices of the leaves among the children of an inner node, the same values bit for bit as
 /// vertexValues() gives for each. A node without leaf children is drawn from its children's means and its
 /// surroundings' (level of detail). The path must end at the inner node. Vertices that hang on coarser faces
@@ -52,17 +55,20 @@ private:
     std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
     std::array<std::uint8_t, 64> childExists;
     std::array<std::uint8_t, 64> depth; // of the coarse
-    int coarsest;                       // of them, or the node's own depth
-    std::array<std::uint64_t, 2> known;
+    std::uint32_t coarseEntries;        // their mask in the node's neighbourhood
+    int coarsest;                       // depth of the coarsest, or the node's own
+    BlockVertexMask hanging;            // vertices that touch the coarse
+    BlockVertexMask known;              // of
     std::array<double, 125> special;
   };
 
-  const Level& gather(const TreePath& path, int depth, Level& level) const noexcept;
-  Level& levelAt(const TreePath& path, int depth) noexcept;
-  double specialValue(const TreePath& path, int depth, Level& level, int vertex) noexcept;
+  void gather(const TreePath& path, int depth, Level& level) const noexcept;
   void gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept;
-  double hanging(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
-  double hangingDeep(const TreePath& path, int depth, int coarsest, int vertex) noexcept;
+  Level& levelAt(const TreePath& path, int depth) noexcept;
+  Level& withSpecial(const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept;
+  void computeSpecial(
+    const TreePath& path, int depth, const Level& level, const BlockVertexMask& wanted, double* out) noexcept;
+  double hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
   void uniformValues(const Level& level) noexcept;
   void evaluate(const TreePath& path) noexcept;
   Range rangeOfDrawn() const noexcept;

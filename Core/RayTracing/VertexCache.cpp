@@ -14,8 +14,8 @@ BlockRecord::BlockRecord(const BlockValues& block) noexcept
   values.fill(0);
   for (std::size_t i = 0; i < block.values.size(); ++i)
   {
-    values[i] = static_cast<std::uint16_t>(
-      (static_cast<double>(block.values[i]) - block.range.min) * scale + 0.5);
+    values[i] =
+      static_cast<std::uint16_t>((static_cast<double>(block.values[i]) - block.range.min) * scale + 0.5);
   }
 }
 
@@ -85,7 +85,7 @@ const BlockRecord* VertexCache::Writer::keep(std::uint64_t inner, const BlockRec
 
 void VertexCache::endFrame(std::uint64_t found, std::uint64_t computed)
 {
-  if (overflowed_ && found < computed)
+  if (full_ && found < computed)
   {
     for (auto& slot : slots_)
     {
@@ -94,6 +94,7 @@ void VertexCache::endFrame(std::uint64_t found, std::uint64_t computed)
     usedChunks_ = 0;
     overflowed_ = false;
   }
+  full_ = overflowed_;
 }
 
 std::size_t VertexCache::byteSize() const noexcept

@@ -71,8 +71,8 @@ public:
     std::uint32_t end_ = 0;
   };
 
-  /// Call when no thread renders, after a frame that found and computed so many blocks. When the budget is used
-  /// up and most of what is kept was of no use, forgets all, so that a new view gets its share.
+  /// Call when no thread renders, after a frame that found and computed so many blocks. When the budget was used
+  /// up before it and most of what is kept was of no use, forgets all, so that a new view gets its share.
   void endFrame(std::uint64_t found, std::uint64_t computed);
 
   /// Allocated bytes.
@@ -98,6 +98,7 @@ private:
   std::vector<std::unique_ptr<Chunk>> storage_; // of chunks_, for their release
   std::atomic<std::uint32_t> usedChunks_{ 0 };
   std::atomic<bool> overflowed_{ false };
+  bool full_ = false; // overflowed in an earlier frame
 };
 
 } // namespace treeamr

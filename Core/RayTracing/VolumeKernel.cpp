@@ -47,7 +47,7 @@ constexpr float finished = -std::numeric_limits<float>::max();
 
 /// Samples for the square root of the variation of optical depth on a ray's way through a block, before
 /// `samplesPerCell` multiplies them: midpoint samples err by a part of the variation over their square.
-constexpr float samplesPerRootVariation = 1e9f;
+constexpr float samplesPerRootVariation = 4.f;
 
 struct Box
 {
@@ -595,9 +595,9 @@ private:
     block.toTable = { static_cast<float>(width * tf.scale() / BlockRecord::steps), static_cast<float>(offset),
       static_cast<float>(first), static_cast<float>(last) };
     const std::vector<double>& variation = scene_.table.variation;
-    block.variation = static_cast<float>(
-      variation[std::min(static_cast<std::size_t>(last) + 1, variation.size() - 1)] -
-      variation[static_cast<std::size_t>(first)]);
+    block.variation =
+      static_cast<float>(variation[std::min(static_cast<std::size_t>(last) + 1, variation.size() - 1)] -
+        variation[static_cast<std::size_t>(first)]);
     if (!found.record)
     {
       record_ = BlockRecord(values_);
@@ -694,19 +694,15 @@ private:
     Floats f[3];
     for (int a = 0; a < 3; ++a)
     {
-      cell[a] =
-        hn::Min(hn::Max(hn::Floor(at[a]), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
+      cell[a] = hn::Min(hn::Max(hn::Floor(at[a]), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
       f[a] = hn::Sub(at[a], cell[a]);
     }
-    const Floats index =
-      hn::MulAdd(hn::MulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]);
+    const Floats index = hn::MulAdd(hn::MulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]);
     Floats lower[4];
     Floats upper[4];
     values.pairs(hn::ConvertTo(di, index), lower, upper);
-    const Floats low =
-      lerp(f[1], lerp(f[0], lower[0], upper[0]), lerp(f[0], lower[1], upper[1]));
-    const Floats high =
-      lerp(f[1], lerp(f[0], lower[2], upper[2]), lerp(f[0], lower[3], upper[3]));
+    const Floats low = lerp(f[1], lerp(f[0], lower[0], upper[0]), lerp(f[0], lower[1], upper[1]));
+    const Floats high = lerp(f[1], lerp(f[0], lower[2], upper[2]), lerp(f[0], lower[3], upper[3]));
     const Floats position =
       hn::MulAdd(lerp(f[2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
     // Rounding must not leave the hull by which nodes are skipped.
@@ -757,10 +753,8 @@ private:
     const Floats widths = hn::Mul(hn::Mul(hn::Sqrt(squared), length), hn::Set(d, 0.5f));
     const Floats variation =
       hn::Mul(hn::Mul(length, lengthPerT), hn::Mul(transmittance, hn::Set(d, block.variation)));
-    const Floats wanted =
-      hn::Min(widths, hn::Mul(hn::Sqrt(variation), hn::Set(d, samplesPerRootVariation)));
-    const Floats samples =
-      hn::Max(hn::Set(d, 1.f), hn::Ceil(hn::Mul(wanted, hn::Set(d, samplesPerCell_))));
+    const Floats wanted = hn::Min(widths, hn::Mul(hn::Sqrt(variation), hn::Set(d, samplesPerRootVariation)));
+    const Floats samples = hn::Max(hn::Set(d, 1.f), hn::Ceil(hn::Mul(wanted, hn::Set(d, samplesPerCell_))));
     const Floats step = hn::Div(length, samples);
     const Floats depthPerExtinction = hn::Mul(step, lengthPerT);
     const float mostSamples = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(crosses, samples)));

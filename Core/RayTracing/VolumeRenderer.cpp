@@ -110,15 +110,16 @@ void fillTable(VolumeKernelScene& scene)
   for (std::size_t i = 0; i < table.entries.size(); ++i)
   {
     TransferFunction::Entry& e = table.entries[i];
-    const double perUnit =
-      std::min<double>(e.extinction / scene.scale, TransferFunction::opaqueExtinction);
+    const double perUnit = std::min<double>(e.extinction / scene.scale, TransferFunction::opaqueExtinction);
     if (i > 0)
     {
       const TransferFunction::Entry& before = scene.transferFunction.entries()[i - 1];
       const double perUnitBefore =
         std::min<double>(before.extinction / scene.scale, TransferFunction::opaqueExtinction);
-      variation += std::max({ std::abs(perUnit - perUnitBefore), std::abs(perUnit * e.r - perUnitBefore * before.r),
-        std::abs(perUnit * e.g - perUnitBefore * before.g), std::abs(perUnit * e.b - perUnitBefore * before.b) });
+      variation +=
+        std::max({ std::abs(perUnit - perUnitBefore), std::abs(perUnit * e.r - perUnitBefore * before.r),
+          std::abs(perUnit * e.g - perUnitBefore * before.g),
+          std::abs(perUnit * e.b - perUnitBefore * before.b) });
     }
     table.variation[i] = variation;
     e.extinction = static_cast<float>(perUnit * std::numbers::log2e);
