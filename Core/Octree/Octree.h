@@ -105,6 +105,15 @@ public:
     const Base& base = bases_[inner >> blockBits];
     return { node.exists, node.leaf, base.inner + node.innerDelta, base.leaf + node.leafDelta };
   }
+  /// Announces that the children of an inner node will be asked for.
+  void prefetchChildren(std::uint64_t inner) const noexcept
+  {
+#if defined(__GNUC__)
+    __builtin_prefetch(nodes_.data() + inner);
+#else
+    static_cast<void>(inner);
+#endif
+  }
   /// Octant o is at x = o & 1, y = o >> 1 & 1, z = o >> 2.
   NodeRef child(NodeRef parent, int octant) const noexcept
   {
