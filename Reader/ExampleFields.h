@@ -1,11 +1,12 @@
 // The fields and the refinement criterion of the example data.
 //
 // The Mandelbulb (White and Nylander, power 8) is z -> z^8 + c in spherical form with theta = acos(z / r) and
-// phi = atan2(y, x). With levels 4 to 7 and a threshold of 0.05, and the forest balanced across faces, edges
-// and corners, the unit cube has 305,096 cells; with levels 4 to 9 and 0.55 it has 2,636,936; with levels 4 to
-// 10 and 0.40 it has 20,445,706.
+// phi = atan2(y, x). Refined from level 4 on, and the forest balanced across faces, edges and corners, the
+// unit cube has 305,096 cells up to level 7 with a threshold of 0.05, 2,636,936 up to level 9 with 0.55, and
+// 20,445,706 up to level 10 with 0.40.
 //
-// The sheet, smooth and mostly empty, is the other extreme: levels 4 to 10 and 0.035 give 22,719,418 cells.
+// The sheet is smooth: up to level 10 with 0.035 it has 22,719,418 cells, a quarter of which touches another
+// level, where nearly all of the two large Mandelbulbs' do.
 #pragma once
 
 #include <algorithm>
@@ -45,8 +46,8 @@ inline double mandelbulb(double x, double y, double z) noexcept
   return 1.;
 }
 
-/// A wavy Gaussian shear sheet through the unit cube and 120 Gaussian blobs around it, in [0, 2.2]: values to
-/// call, like mandelbulb(). The blobs are random but the same everywhere.
+/// A wavy Gaussian shear sheet through the unit cube and 120 Gaussian blobs around it, of values from 0 to
+/// about 2.2: to be called like mandelbulb(). The blobs are random but the same on every machine.
 class Sheet
 {
 public:

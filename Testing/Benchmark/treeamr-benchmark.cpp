@@ -1,8 +1,11 @@
-// Measures the volume renderer on the forests <name>.p8est of a folder, whose names Scene.cpp has: all threads,
-// CPU seconds of the whole process, PSNR against the scalar reference at 64 samples per cell, which is kept
-// beside the forest as <name>.reference.
+// Measures the volume renderer on the forests <name>.p8est of a folder, whose names Scene.cpp has: memory,
+// seconds of wall and CPU (of the whole process) on all threads, and PSNR against the scalar reference at 64
+// samples per cell, which is kept beside the forest as <name>.reference.
 //
 // treeamr-benchmark FOLDER [--only NAME] [--samples S] [--picture FILE.ppm] [--json FILE]
+//
+// Bytes per cell: allocated, resident after the build without its input, and the build's peak beyond its
+// input. A kept frame finds vertex values of the frames before in the cache, a cold one begins without.
 #include "Error.h"
 #include "Meter.h"
 #include "RayTracing/VertexCache.h"

@@ -1,5 +1,5 @@
-// Writes the data of demo and benchmark: an example field on the unit cube as a forest of libp4est, one double
-// per quadrant (the field at the cell's centre), balanced across faces, edges and corners.
+// Writes the data of demo and benchmark: an example field on the unit cube as a forest of libp4est, one
+// double per quadrant (the field at the cell's centre), balanced across faces, edges and corners.
 //
 // treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet]]
 // By default 4 7 0.05 mandelbulb: 305,096 cells.
