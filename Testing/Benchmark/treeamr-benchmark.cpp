@@ -126,7 +126,6 @@ Measurement measureVolume(const Options& options, const Scene& scene)
   const std::size_t resident = residentBytes();
   Forest forest = readForest(file + ".p8est");
   auto [field, figures] = measureBuild(std::move(forest.cells), resident);
-  const double count = figures.front().value;
 
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
@@ -162,7 +161,7 @@ Measurement measureVolume(const Options& options, const Scene& scene)
       { "thread_speedup", single.wall / warm.wall, "1 thr/all", 2 },
       { "kept_bytes", static_cast<double>(kept->byteSize()), "kept MiB", 0, 1. / 1048576. },
     });
-  return { std::move(figures), std::move(image), count, warm.cpu };
+  return { std::move(figures), std::move(image), static_cast<double>(field->leafValues().size()), warm.cpu };
 }
 
 void run(const Options& options)
