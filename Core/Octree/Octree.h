@@ -51,6 +51,13 @@ static_assert(sizeof(NodeRef) == 8);
 
 class Octree
 {
+  /// Of a mask of octants; std::popcount is a library call on the x86-64 baseline. Four copies of the mask, of
+  /// which a nibble's step picks each bit once.
+  static constexpr unsigned bitCount(unsigned mask) noexcept
+  {
+    return ((mask * 0x08040201u >> 3) & 0x11111111u) * 0x11111111u >> 28;
+  }
+
 public:
   static constexpr int maxDepth = 61;
 
@@ -62,26 +69,47 @@ public:
   /// None for an octree without cells.
   NodeRef root() const noexcept { return root_; }
 
+  /// An inner node's children: of either kind, they follow each other in the order of their octants.
+  struct Children
+  {
+    unsigned exists; // masks of octants
+    unsigned leaf;   // subset of exists
+    std::uint64_t firstInner;
+    std::uint64_t firstLeaf;
+
+    unsigned inner() const noexcept { return exists & ~leaf; }
+    bool allLeaves() const noexcept { return leaf == 0xff; }
+    /// Of a child that exists and is of this kind.
+    std::uint64_t innerIndex(int octant) const noexcept
+    {
+      return firstInner + bitCount(inner() & ((1u << octant) - 1));
+    }
+    std::uint64_t leafIndex(int octant) const noexcept
+    {
+      return firstLeaf + bitCount(leaf & ((1u << octant) - 1));
+    }
+    NodeRef node(int octant, int depth) const noexcept
+    {
+      const unsigned bit = 1u << octant;
+      if (!(exists & bit))
+      {
+        return {};
+      }
+      return leaf & bit ? NodeRef(NodeKind::Leaf, depth, leafIndex(octant))
+                        : NodeRef(NodeKind::Inner, depth, innerIndex(octant));
+    }
+  };
+  Children children(std::uint64_t inner) const noexcept
+  {
+    const InnerNode& node = nodes_[inner];
+    const Base& base = bases_[inner >> blockBits];
+    return { node.exists, node.leaf, base.inner + node.innerDelta, base.leaf + node.leafDelta };
+  }
   /// Octant o is at x = o & 1, y = o >> 1 & 1, z = o >> 2.
   NodeRef child(NodeRef parent, int octant) const noexcept
   {
     assert(parent.isInner());
-    const std::uint64_t n = parent.index();
-    const InnerNode& node = nodes_[n];
-    const unsigned bit = 1u << octant;
-    if (!(node.exists & bit))
-    {
-      return {};
-    }
-    const Base& base = bases_[n >> blockBits];
-    const unsigned before = node.exists & (bit - 1);
-    if (node.leaf & bit)
-    {
-      return { NodeKind::Leaf, parent.depth() + 1,
-        base.leaf + node.leafDelta + bitCount[before & node.leaf] };
-    }
-    return { NodeKind::Inner, parent.depth() + 1,
-      base.inner + node.innerDelta + bitCount[before & ~static_cast<unsigned>(node.leaf)] };
+    return children(parent.index()).node(octant, parent.depth() + 1);
   }
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.
@@ -105,15 +133,6 @@ private:
     std::uint64_t inner; // first inner child of the block's first node
     std::uint64_t leaf;  // first leaf child of the block's first node
   };
-  // std::popcount is a library call on the x86-64 baseline.
-  static constexpr std::array<std::uint8_t, 256> bitCount = [] {
-    std::array<std::uint8_t, 256> table{};
-    for (unsigned i = 0; i < table.size(); ++i)
-    {
-      table[i] = static_cast<std::uint8_t>(std::popcount(i));
-    }
-    return table;
-  }();
   static constexpr int blockBits = 12;
   static_assert((8u << blockBits) <= 65536u, "differences within a block fit 16 bits");
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 namespace treeamr
@@ -52,9 +53,10 @@ bool fitsKernel(const Field& field, const TransferFunction& transferFunction)
 /// Where the kernel counts from, and in which units.
 void place(VolumeKernelScene& scene)
 {
+  const Camera& camera = scene.camera;
   const Bounds domain = scene.field.octree().grid().bounds();
-  const Ray central = scene.camera.ray(scene.camera.width() / 2, scene.camera.height() / 2);
-  double diagonal = 0.; // in t: a length along the central ray's scale
+  const Ray central = camera.ray(camera.width() / 2, camera.height() / 2);
+  double diagonal = 0.; // squared in data coordinates, then in t: a length along the central ray's scale
   double toCentre = 0.;
   double squared = 0.;
   for (int a = 0; a < 3; ++a)
@@ -63,21 +65,106 @@ void place(VolumeKernelScene& scene)
     toCentre += (0.5 * (domain.min[a] + domain.max[a]) - central.origin[a]) * central.direction[a];
     squared += std::pow(central.direction[a], 2);
   }
+  scene.dataScale = 1. / std::sqrt(diagonal);
   diagonal = std::sqrt(diagonal / squared);
   toCentre /= squared;
   // Far away (narrow angles), counting from the eye would leave the domain to the last digits.
   constexpr double nearby = 8.;
   scene.scale = 1. / diagonal;
-  scene.commonOrigin = scene.camera.isPerspective() && std::abs(toCentre) < nearby * diagonal;
-  scene.tReference = scene.commonOrigin ? 0. : toCentre - diagonal;
+  scene.features.commonOrigin = camera.isPerspective() && std::abs(toCentre) < nearby * diagonal;
+  scene.tReference = scene.features.commonOrigin ? 0. : toCentre - diagonal;
   for (int a = 0; a < 3; ++a)
   {
     scene.reference[a] = central.origin[a] + scene.tReference * central.direction[a];
   }
-  for (TransferFunction::Entry& e : scene.table)
+  if (scene.features.commonOrigin)
   {
-    const double perUnit = e.extinction * diagonal;
-    e.extinction = static_cast<float>(std::min<double>(perUnit, TransferFunction::opaqueExtinction));
+    scene.fan = camera.fan();
+  }
+}
+
+/// Widths of pixels from the distance between two rays in the image's middle.
+void measurePixels(VolumeKernelScene& scene)
+{
+  const Camera& camera = scene.camera;
+  const int x = camera.width() / 2;
+  const int y = camera.height() / 2;
+  const Ray a = camera.ray(x, y);
+  const Ray b = camera.ray(x + 1, y);
+  double origins = 0.;
+  double directions = 0.;
+  for (int i = 0; i < 3; ++i)
+  {
+    origins += std::pow(b.origin[i] - a.origin[i], 2);
+    directions += std::pow(b.direction[i] - a.direction[i], 2);
+  }
+  const double growth = scene.dataScale * std::sqrt(directions); // per t
+  scene.pixelWidth = scene.dataScale * std::sqrt(origins) + scene.tReference * growth;
+  scene.pixelGrowth = growth / scene.scale;
+}
+
+/// Width of a leaf of a level in kernel units; of the mean root where these differ.
+double leafWidth(const VolumeKernelScene& scene, int level)
+{
+  const RootGrid& grid = scene.field.octree().grid();
+  const Bounds domain = grid.bounds();
+  double width = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    width = std::max(width, (domain.max[a] - domain.min[a]) / grid.roots()[a]);
+  }
+  return std::ldexp(width * scene.dataScale, -level);
+}
+
+void fillTable(VolumeKernelScene& scene)
+{
+  const std::vector<TransferFunction::Entry>& entries = scene.transferFunction.entries();
+  const std::size_t size = entries.size();
+  // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
+  const double opaque = 1e6 / leafWidth(scene, scene.field.octree().leafLevels());
+  std::vector<std::array<double, 4>> terms(size);
+  KernelTable& table = scene.table;
+  table.entries = entries;
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    const TransferFunction::Entry& e = entries[i];
+    const double perUnit = e.extinction / scene.scale;
+    table.entries[i].extinction =
+      static_cast<float>(std::min<double>(perUnit * std::numbers::log2e, TransferFunction::opaqueExtinction));
+    const double capped = std::min(perUnit, opaque);
+    terms[i] = { capped * e.r, capped * e.g, capped * e.b, capped };
+  }
+  table.variation.assign(size, 0.);
+  table.curvature.assign(size, 0.);
+  for (std::size_t i = 1; i < size; ++i)
+  {
+    double change = 0.;
+    double bend = 0.;
+    for (int c = 0; c < 4; ++c)
+    {
+      change = std::max(change, std::abs(terms[i][c] - terms[i - 1][c]));
+      bend =
+        i + 1 < size ? std::max(bend, std::abs(terms[i + 1][c] - 2. * terms[i][c] + terms[i - 1][c])) : 0.;
+    }
+    table.variation[i] = table.variation[i - 1] + change;
+    table.curvature[i] = table.curvature[i - 1] + bend;
+  }
+  const double error =
+    pointSampleError(scene, table.variation.back(), table.curvature.back(), static_cast<double>(size - 1));
+  scene.features.preIntegration = error * leafWidth(scene, 0) > pointSampleTolerance;
+  if (scene.features.preIntegration)
+  {
+    table.integrals.resize(size + 1);
+    std::array<double, 4> sum{};
+    for (std::size_t i = 0; i <= size; ++i)
+    {
+      for (int c = 0; c < 4; ++c)
+      {
+        table.integrals[i].sum[c] = static_cast<float>(sum[c]);
+        table.integrals[i].rest[c] = static_cast<float>(sum[c] - table.integrals[i].sum[c]);
+        sum[c] += i < size ? terms[i][c] : 0.;
+      }
+    }
   }
 }
 
@@ -92,10 +179,14 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   {
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image);
   }
-  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, true, 0., 1.,
-    transferFunction.entries() };
+  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, 0., 1.,
+    1., {}, {}, 0., 0. };
   place(scene);
-  kept.beginFrame();
+  if (settings.levelOfDetailPixels > 0.)
+  {
+    measurePixels(scene);
+  }
+  fillTable(scene);
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
@@ -105,14 +196,17 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
       statistics.local() += renderVolumeTiles(scene, row, tiles.cols().begin(), tiles.cols().end());
     }
   });
-  return statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+  const VolumeStatistics all =
+    statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+  kept.endFrame(all.kept, all.blocks);
+  return all;
 }
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image)
 {
   // For this frame only: tiles share the leaves on their borders.
-  VertexCache kept(field.octree().leafCount(), VolumeSettings::defaultKeptBytes);
+  VertexCache kept(field.octree(), VolumeSettings::defaultKeptBytes);
   return renderVolume(field, transferFunction, camera, interval, settings, kept, image);
 }
 
