@@ -131,7 +131,7 @@ Measurement measureVolume(const Options& options, const Scene& scene)
   Image image(camera.width(), camera.height());
   std::unique_ptr<VertexCache> kept;
   const auto forget = [&] {
-    kept = std::make_unique<VertexCache>(field->leafValues().size(), VolumeSettings::defaultKeptBytes);
+    kept = std::make_unique<VertexCache>(field->octree(), VolumeSettings::defaultKeptBytes);
   };
   const auto frame = [&] {
     renderVolume(*field, scene.transferFunction, camera, {}, options.settings, *kept, image);
