@@ -81,13 +81,14 @@ private:
 
 void Field::computeNodeRanges()
 {
-  ranges_.resize(octree_->innerCount());
+  std::vector<Range> exact(octree_->innerCount());
   if (octree_->root().isInner())
   {
     TreePath path(*octree_);
     VertexMemo memo;
-    RangeBuilder(*this, ranges_).visit(path, memo);
+    RangeBuilder(*this, exact).visit(path, memo);
   }
+  encodeNodeRanges(std::move(exact));
 }
 
 } // namespace treeamr

@@ -2,6 +2,9 @@
 
 #include "Error.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -58,9 +61,44 @@ Field::Field(std::shared_ptr<const Octree> octree, std::vector<float> values)
   }
 }
 
+void Field::encodeNodeRanges(std::vector<Range> exact)
+{
+  const Octree& octree = *octree_;
+  rangeCodes_.resize(octree.innerCount());
+  if (octree.innerCount() == 0)
+  {
+    return;
+  }
+  // Down the depths: a node's exact range makes way for its decoded one once it is encoded.
+  const auto encode = [&](std::uint64_t node, Range parent) {
+    rangeCodes_[node] = RangeCode(exact[node], parent);
+    exact[node] = rangeCodes_[node].decode(parent);
+  };
+  encode(0, range_);
+  for (int depth = 0; depth < octree.innerDepths(); ++depth)
+  {
+    tbb::parallel_for(
+      tbb::blocked_range<std::uint64_t>(octree.firstInner(depth), octree.firstInner(depth + 1), 4096),
+      [&](const auto& nodes) {
+        for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
+        {
+          for (int o = 0; o < 8; ++o)
+          {
+            const NodeRef child = octree.child({ NodeKind::Inner, depth, n }, o);
+            if (child.isInner())
+            {
+              encode(child.index(), exact[n]);
+            }
+          }
+        }
+      });
+  }
+}
+
 std::size_t Field::byteSize() const noexcept
 {
-  return (values_.capacity() + means_.capacity()) * sizeof(float) + ranges_.capacity() * sizeof(Range);
+  return (values_.capacity() + means_.capacity()) * sizeof(float) +
+    rangeCodes_.capacity() * sizeof(RangeCode);
 }
 
 } // namespace treeamr

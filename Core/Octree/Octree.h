@@ -59,6 +59,10 @@ public:
   std::uint64_t innerCount() const noexcept { return nodes_.size(); }
   /// Deepest leaf's level; 0 when every root is a leaf.
   int leafLevels() const noexcept { return leafLevels_; }
+  /// Inner nodes are in breadth-first order: those of a depth, from firstInner(depth) up to
+  /// firstInner(depth + 1), 0 <= depth < innerDepths().
+  int innerDepths() const noexcept { return static_cast<int>(firstInner_.size()) - 1; }
+  std::uint64_t firstInner(int depth) const noexcept { return firstInner_[depth]; }
   /// None for an octree without cells.
   NodeRef root() const noexcept { return root_; }
 
@@ -126,6 +130,7 @@ private:
   RootGrid grid_;
   std::vector<InnerNode> nodes_;
   std::vector<Base> bases_;
+  std::vector<std::uint64_t> firstInner_{ 0 }; // by depth, and the end
   std::vector<bool> ghost_;
   std::uint64_t leafCount_ = 0;
   int leafLevels_ = 0;

@@ -24,6 +24,7 @@ void OctreeAssembler::append(const std::vector<Masks>& masks)
     nextLeaf_ += leaves;
     nextInner_ += std::popcount(static_cast<unsigned>(m.exists)) - leaves;
   }
+  tree.firstInner_.push_back(tree.nodes_.size());
   tree.leafCount_ = nextLeaf_;
 }
 

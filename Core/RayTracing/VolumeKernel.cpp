@@ -80,7 +80,8 @@ public:
   {
     GroupMask active = makeRays(x0, y0);
     const NodeRef root = octree_.root();
-    if (!root.isNone() && isVisible(root))
+    Range rootRange = scene_.field.range();
+    if (!root.isNone() && isVisible(root, rootRange))
     {
       path_.reset();
       depth_ = 0;
@@ -95,7 +96,7 @@ public:
       active = crossing(box, active);
       if (active != 0)
       {
-        root.isLeaf() ? visitLeaf(root, box, active) : visit(root, box, active);
+        root.isLeaf() ? visitLeaf(root, box, active) : visit(root, box, active, rootRange);
       }
     }
     writePixels(x0, y0);
@@ -182,10 +183,15 @@ private:
     }
   }
 
-  bool isVisible(NodeRef node) const noexcept
+  /// range: the parent's, and the node's on return.
+  bool isVisible(NodeRef node, Range& range) const noexcept
   {
-    return !node.isInner() || !scene_.settings.skipEmpty ||
-      scene_.transferFunction.isVisible(scene_.field.nodeRange(node));
+    if (!node.isInner() || !scene_.settings.skipEmpty)
+    {
+      return true;
+    }
+    range = scene_.field.nodeRange(node, range);
+    return scene_.transferFunction.isVisible(range);
   }
 
   HWY_INLINE void clipAxis(int axis, int ray, const Box& box, Intervals& t) const
@@ -235,7 +241,7 @@ private:
     return out;
   }
 
-  void visit(NodeRef node, const Box& box, GroupMask active)
+  void visit(NodeRef node, const Box& box, GroupMask active, Range range)
   {
     ++statistics_.nodes;
     std::array<float, 3> middle;
@@ -252,7 +258,8 @@ private:
     {
       const int octant = i ^ nearest;
       const NodeRef child = octree_.child(node, octant);
-      if (child.isNone() || !isVisible(child))
+      Range childRange = range;
+      if (child.isNone() || !isVisible(child, childRange))
       {
         continue;
       }
@@ -275,7 +282,8 @@ private:
         index_[a] = 2 * index_[a] + (octant >> a & 1);
       }
       ++depth_;
-      child.isLeaf() ? visitLeaf(child, childBox, childActive) : visit(child, childBox, childActive);
+      child.isLeaf() ? visitLeaf(child, childBox, childActive)
+                     : visit(child, childBox, childActive, childRange);
       --depth_;
       index_ = index;
       if (path_.depth() > depth_)
