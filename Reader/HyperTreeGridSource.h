@@ -110,20 +110,9 @@ public:
   {
   }
 
-  bool root(const std::array<Coord, 3>& place, Handle& handle) const
-  {
-    const auto& trees = topology_.trees();
-    const auto found =
-      std::lower_bound(trees.begin(), trees.end(), place, [](const HyperTreeView& t, const auto& p) {
-        return std::lexicographical_compare(t.root.rbegin(), t.root.rend(), p.rbegin(), p.rend());
-      });
-    if (found == trees.end() || found->root != place)
-    {
-      return false;
-    }
-    handle = { static_cast<std::uint32_t>(found - trees.begin()), 0, 0 };
-    return true;
-  }
+  std::size_t rootCount() const noexcept { return topology_.trees().size(); }
+  std::array<Coord, 3> rootPlace(std::size_t tree) const { return topology_.trees()[tree].root; }
+  Handle root(std::size_t tree) const { return { static_cast<std::uint32_t>(tree), 0, 0 }; }
 
   NodeKind kind(const Handle& handle) const
   {

@@ -44,6 +44,8 @@ public:
   std::size_t byteSize() const noexcept;
 
 private:
+  void checkAndMeasureValues();
+  void computeMeans();
   /// exact[n]: of the inner node n, within those of its ancestors and range().
   void encodeNodeRanges(std::vector<Range> exact);
 

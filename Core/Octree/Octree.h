@@ -1,18 +1,14 @@
 // The immutable sparse octree: topology only, shared by every field that lives on it.
 //
-// Following the paper's section 4, but smaller: no records for leaves. An inner node is 6 bytes (which of its
-// children exist, which of them are leaves, and where its first child of either kind is), because in
-// breadth-first order both offsets are running sums: a 64-bit base per block of 4096 nodes and a 16-bit
-// difference per node reach more than 2^32 cells.
+// Following the paper's section 4, but smaller: no records for leaves, 6 bytes for an inner node.
 //
 // The root lattice is embedded by padding to a power of two: a node's depth counts from the padded root, its
 // level from its root tree (depth = RootGrid::paddingDepth() + level). Nothing is stored for the padding.
 #pragma once
 
+#include "Octree/ChildTable.h"
 #include "Octree/RootGrid.h"
 
-#include <array>
-#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <vector>
@@ -53,10 +49,11 @@ class Octree
 {
 public:
   static constexpr int maxDepth = 61;
+  using Table = ChildTable<std::uint16_t, 12>;
 
   const RootGrid& grid() const noexcept { return grid_; }
   std::uint64_t leafCount() const noexcept { return leafCount_; }
-  std::uint64_t innerCount() const noexcept { return nodes_.size(); }
+  std::uint64_t innerCount() const noexcept { return table_.size(); }
   /// Deepest leaf's level; 0 when every root is a leaf.
   int leafLevels() const noexcept { return leafLevels_; }
   /// Inner nodes are in breadth-first order: those of a depth, from firstInner(depth) up to
@@ -71,56 +68,30 @@ public:
   {
     assert(parent.isInner());
     const std::uint64_t n = parent.index();
-    const InnerNode& node = nodes_[n];
-    const unsigned bit = 1u << octant;
-    if (!(node.exists & bit))
+    const ChildMasks masks = table_.masks(n);
+    if (masks.isLeaf(octant))
     {
-      return {};
+      return { NodeKind::Leaf, parent.depth() + 1, table_.leafChild(n, octant) };
     }
-    const Base& base = bases_[n >> blockBits];
-    const unsigned before = node.exists & (bit - 1);
-    if (node.leaf & bit)
+    if (masks.isInner(octant))
     {
-      return { NodeKind::Leaf, parent.depth() + 1,
-        base.leaf + node.leafDelta + bitCount[before & node.leaf] };
+      return { NodeKind::Inner, parent.depth() + 1, table_.innerChild(n, octant) };
     }
-    return { NodeKind::Inner, parent.depth() + 1,
-      base.inner + node.innerDelta + bitCount[before & ~static_cast<unsigned>(node.leaf)] };
+    return {};
   }
+  Table::Children children(std::uint64_t inner) const noexcept { return table_.children(inner); }
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.
-  bool hasGhosts() const noexcept { return !ghost_.empty(); }
-  bool isGhost(std::uint64_t leaf) const noexcept { return hasGhosts() && ghost_[leaf]; }
+  bool hasGhosts() const noexcept { return !ghosts_.empty(); }
+  bool isGhost(std::uint64_t leaf) const noexcept
+  {
+    return hasGhosts() && (ghosts_[leaf >> 6] >> (leaf & 63) & 1);
+  }
 
   /// Allocated bytes.
   std::size_t byteSize() const noexcept;
 
 private:
-  struct InnerNode
-  {
-    std::uint8_t exists;
-    std::uint8_t leaf; // subset of exists
-    std::uint16_t innerDelta;
-    std::uint16_t leafDelta;
-  };
-  static_assert(sizeof(InnerNode) == 6);
-  struct Base
-  {
-    std::uint64_t inner; // first inner child of the block's first node
-    std::uint64_t leaf;  // first leaf child of the block's first node
-  };
-  // std::popcount is a library call on the x86-64 baseline.
-  static constexpr std::array<std::uint8_t, 256> bitCount = [] {
-    std::array<std::uint8_t, 256> table{};
-    for (unsigned i = 0; i < table.size(); ++i)
-    {
-      table[i] = static_cast<std::uint8_t>(std::popcount(i));
-    }
-    return table;
-  }();
-  static constexpr int blockBits = 12;
-  static_assert((8u << blockBits) <= 65536u, "differences within a block fit 16 bits");
-
   explicit Octree(RootGrid grid)
     : grid_(std::move(grid))
   {
@@ -128,10 +99,9 @@ private:
   friend class OctreeAssembler;
 
   RootGrid grid_;
-  std::vector<InnerNode> nodes_;
-  std::vector<Base> bases_;
+  Table table_;
   std::vector<std::uint64_t> firstInner_{ 0 }; // by depth, and the end
-  std::vector<bool> ghost_;
+  std::vector<std::uint64_t> ghosts_;          // a bit per leaf; empty: none is a ghost
   std::uint64_t leafCount_ = 0;
   int leafLevels_ = 0;
   NodeRef root_{};

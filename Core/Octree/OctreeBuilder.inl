@@ -1,127 +1,339 @@
-// Breadth-first construction: each level is a frontier of the inner nodes' handles, so the only thing held
-// beside the result is one level's handles.
+// Depth-first construction by stretches (OctreeAssembler.h): whole trees, subtrees of a large tree, or a single
+// node above such subtrees. A first walk finds what kind the nodes are, a second one writes them.
 #pragma once
 
 #include "Error.h"
+#include "Octree/OctreeAssembler.h"
 
-#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+#include <oneapi/tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <numeric>
 #include <string>
 
 namespace treeamr
 {
 
-/// Appends inner nodes to an octree in breadth-first order. The only writer of Octree's storage.
-class OctreeAssembler
-{
-public:
-  struct Masks
-  {
-    std::uint8_t exists = 0;
-    std::uint8_t leaf = 0;
-  };
-
-  explicit OctreeAssembler(RootGrid grid)
-    : octree_(std::make_shared<Octree>(Octree(std::move(grid))))
-  {
-  }
-  Octree& octree() noexcept { return *octree_; }
-  void setRoot(NodeRef root) noexcept { octree_->root_ = root; }
-  /// All inner nodes of one depth, in order.
-  void append(const std::vector<Masks>& masks);
-  void setLeafDepth(int depth) noexcept;
-  void countRootLeaf() noexcept { octree_->leafCount_ = 1; }
-  void allocateGhosts() { octree_->ghost_.assign(octree_->leafCount_, false); }
-  void setGhost(std::uint64_t leaf) { octree_->ghost_[leaf] = true; }
-  std::shared_ptr<const Octree> finish();
-
-private:
-  std::shared_ptr<Octree> octree_;
-  std::uint64_t nextInner_ = 1; // the root is inner node 0
-  std::uint64_t nextLeaf_ = 0;
-};
-
 namespace detail
 {
 
-/// A source's nodes and the padding above its roots as one tree.
+/// Whether p comes before q in Morton order, x fastest. The axis with the highest differing bit decides; of
+/// equals, the later (slower) axis.
+inline bool mortonLess(const std::array<Coord, 3>& p, const std::array<Coord, 3>& q) noexcept
+{
+  std::uint64_t deciding = 0;
+  bool less = false;
+  for (int a = 0; a < 3; ++a)
+  {
+    const auto difference = static_cast<std::uint64_t>(p[a] ^ q[a]);
+    if (difference != 0 && std::bit_width(difference) >= std::bit_width(deciding))
+    {
+      deciding = difference;
+      less = p[a] < q[a];
+    }
+  }
+  return less;
+}
+
+/// The octant that leads to a place's ancestor `up` levels above it.
+inline int octantAbove(const std::array<Coord, 3>& place, int up) noexcept
+{
+  return static_cast<int>((place[0] >> up & 1) | (place[1] >> up & 1) << 1 | (place[2] >> up & 1) << 2);
+}
+
+/// A source's trees that have cells, in Morton order, and the walks over them.
 template <class Source>
-class PaddedSource
+class Forest
 {
 public:
-  struct Handle
+  using Handle = typename Source::Handle;
+
+  /// A part of the work, in Morton order. A root brings the nodes above it that no earlier root has brought.
+  struct Stretch
   {
-    std::array<std::int32_t, 3> padding; // index at its depth; used above the roots only
-    typename Source::Handle node;
+    enum class Extent
+    {
+      Trees, // firstRoot up to endRoot
+      Subtree,
+      OneNode // and those of its children that are leaves
+    };
+    Extent extent = Extent::Trees;
+    std::size_t firstRoot = 0;
+    std::size_t endRoot = 0;
+    Handle node{}; // of a subtree or one node
+    int depth = 0;
+    int octant = 0;
+    std::vector<ChildMasks> masks; // of the inner nodes, parents first
+    NodeCounts counts;
   };
 
-  PaddedSource(const RootGrid& grid, const Source& source)
-    : grid_(grid)
-    , source_(source)
+  Forest(const RootGrid& grid, const Source& source)
+    : source_(source)
+    , padding_(grid.paddingDepth())
+    , maxLevel_(grid.maxLevel())
   {
+    for (std::size_t i = 0; i < source.rootCount(); ++i)
+    {
+      if (source.kind(source.root(i)) != NodeKind::None)
+      {
+        roots_.push_back(i);
+      }
+    }
+    const auto less = [&](std::size_t a, std::size_t b) {
+      return mortonLess(source.rootPlace(a), source.rootPlace(b));
+    };
+    if (!std::is_sorted(roots_.begin(), roots_.end(), less))
+    {
+      tbb::parallel_sort(roots_.begin(), roots_.end(), less);
+    }
+    // Cut so many times that several hundred stretches come out where trees are refined evenly.
+    constexpr std::size_t wanted = 256;
+    runLength_ = std::max<std::size_t>(1, roots_.size() / wanted);
+    for (std::size_t nodes = roots_.size(); nodes < wanted && cutLevels_ < manyCuts; nodes *= 8)
+    {
+      ++cutLevels_;
+    }
   }
 
-  NodeKind root(Handle& handle) const
-  {
-    handle = {};
-    return classify(handle, 0);
-  }
+  std::vector<Stretch> stretches() const { return cutTrees(0, roots_.size()); }
 
-  NodeKind child(const Handle& parent, int parentDepth, int octant, Handle& handle) const
+  /// Writes a stretch; visitLeaf(index, handle) is called at each leaf.
+  template <class VisitLeaf>
+  void write(const Stretch& stretch, OctreeAssembler::Writer& writer, const VisitLeaf& visitLeaf) const
   {
-    handle = parent;
-    if (parentDepth >= grid_.paddingDepth())
+    const ChildMasks* next = stretch.masks.data();
+    switch (stretch.extent)
     {
-      handle.node = source_.child(parent.node, octant);
-      return source_.kind(handle.node);
+      case Stretch::Extent::Trees:
+        for (std::size_t r = stretch.firstRoot; r < stretch.endRoot; ++r)
+        {
+          startAbove(r, writer);
+          const Handle root = source_.root(roots_[r]);
+          if (source_.kind(root) == NodeKind::Leaf)
+          {
+            visitLeaf(writer.startLeaf(padding_, rootOctant(r)), root);
+          }
+          else
+          {
+            writeSubtree(root, padding_, rootOctant(r), next, writer, visitLeaf);
+          }
+        }
+        return;
+      case Stretch::Extent::Subtree:
+        writeSubtree(stretch.node, stretch.depth, stretch.octant, next, writer, visitLeaf);
+        return;
+      case Stretch::Extent::OneNode:
+        if (stretch.depth == padding_)
+        {
+          startAbove(stretch.firstRoot, writer);
+        }
+        writer.startInner(stretch.depth, stretch.octant);
+        for (int o = 0; o < 8; ++o)
+        {
+          if (next->isLeaf(o))
+          {
+            visitLeaf(writer.startLeaf(stretch.depth + 1, o), source_.child(stretch.node, o));
+          }
+        }
     }
-    for (int a = 0; a < 3; ++a)
-    {
-      handle.padding[a] = 2 * parent.padding[a] + (octant >> a & 1);
-    }
-    return classify(handle, parentDepth + 1);
   }
 
 private:
-  NodeKind classify(Handle& handle, int depth) const
+  static constexpr int manyCuts = 3;
+  /// A stretch with more inner nodes is cut, if need be after they were counted in vain.
+  static constexpr std::size_t stretchNodes = std::size_t(1) << 18;
+
+  int rootOctant(std::size_t r) const { return octantAbove(source_.rootPlace(roots_[r]), 0); }
+
+  /// The nodes of the padding that start with a root.
+  template <class Sink>
+  void startAbove(std::size_t r, Sink& sink) const
   {
-    const int up = grid_.paddingDepth() - depth;
-    std::array<Coord, 3> first;
-    std::array<Coord, 3> last;
-    for (int a = 0; a < 3; ++a)
+    const std::array<Coord, 3> place = source_.rootPlace(roots_[r]);
+    int depth = 0;
+    if (r > 0)
     {
-      first[a] = Coord(handle.padding[a]) << up;
-      last[a] = std::min<Coord>(first[a] + (Coord(1) << up), grid_.roots()[a]);
-      if (first[a] >= last[a])
+      const std::array<Coord, 3> before = source_.rootPlace(roots_[r - 1]);
+      std::uint64_t differing = 0;
+      for (int a = 0; a < 3; ++a)
       {
-        return NodeKind::None;
+        differing |= static_cast<std::uint64_t>(place[a] ^ before[a]);
       }
+      depth = padding_ + 1 - static_cast<int>(std::bit_width(differing));
     }
-    if (up == 0)
+    for (; depth < padding_; ++depth)
     {
-      return source_.root(first, handle.node) ? source_.kind(handle.node) : NodeKind::None;
+      sink.startInner(depth, octantAbove(place, padding_ - depth));
     }
-    // A block of the padding exists when one of its trees has a cell: no inner node may be empty.
-    typename Source::Handle any;
-    for (Coord k = first[2]; k < last[2]; ++k)
-    {
-      for (Coord j = first[1]; j < last[1]; ++j)
-      {
-        for (Coord i = first[0]; i < last[0]; ++i)
-        {
-          if (source_.root({ i, j, k }, any) && source_.kind(any) != NodeKind::None)
-          {
-            return NodeKind::Inner;
-          }
-        }
-      }
-    }
-    return NodeKind::None;
   }
 
-  const RootGrid& grid_;
+  template <class VisitLeaf>
+  void writeSubtree(const Handle& node, int depth, int octant, const ChildMasks*& next,
+    OctreeAssembler::Writer& writer, const VisitLeaf& visitLeaf) const
+  {
+    const ChildMasks masks = *next++;
+    writer.startInner(depth, octant);
+    for (int o = 0; o < 8; ++o)
+    {
+      if (masks.isLeaf(o))
+      {
+        visitLeaf(writer.startLeaf(depth + 1, o), source_.child(node, o));
+      }
+      else if (masks.isInner(o))
+      {
+        writeSubtree(source_.child(node, o), depth + 1, o, next, writer, visitLeaf);
+      }
+    }
+  }
+
+  /// Counts an inner node and its leaf children; children[o] of kind None may hold anything.
+  ChildMasks classify(
+    const Handle& node, int depth, std::array<Handle, 8>& children, NodeCounts& counts) const
+  {
+    if (depth - padding_ >= maxLevel_)
+    {
+      throw Error("octree: cells deeper than level " + std::to_string(maxLevel_) +
+        ", the deepest that 64-bit lattice coordinates allow on this root grid");
+    }
+    counts.startInner(depth, 0);
+    ChildMasks masks;
+    for (int o = 0; o < 8; ++o)
+    {
+      children[o] = source_.child(node, o);
+      const NodeKind kind = source_.kind(children[o]);
+      if (kind != NodeKind::None)
+      {
+        masks.add(o, kind == NodeKind::Leaf);
+      }
+    }
+    if (masks.exists == 0)
+    {
+      throw Error("octree: a source's inner node at depth " + std::to_string(depth) + " has no children");
+    }
+    counts.leaf[depth + 1] += bitCount(masks.leaf);
+    return masks;
+  }
+
+  /// False when the stretch becomes too long.
+  bool countSubtree(const Handle& node, int depth, Stretch& stretch) const
+  {
+    if (stretch.masks.size() >= stretchNodes)
+    {
+      return false;
+    }
+    std::array<Handle, 8> children;
+    const ChildMasks masks = classify(node, depth, children, stretch.counts);
+    stretch.masks.push_back(masks);
+    for (int o = 0; o < 8; ++o)
+    {
+      if (masks.isInner(o) && !countSubtree(children[o], depth + 1, stretch))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool countTrees(Stretch& stretch) const
+  {
+    for (std::size_t r = stretch.firstRoot; r < stretch.endRoot; ++r)
+    {
+      startAbove(r, stretch.counts);
+      const Handle root = source_.root(roots_[r]);
+      if (source_.kind(root) == NodeKind::Leaf)
+      {
+        stretch.counts.startLeaf(padding_, 0);
+      }
+      else if (!countSubtree(root, padding_, stretch))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  std::vector<Stretch> cutTrees(std::size_t first, std::size_t end) const
+  {
+    std::vector<Stretch> list;
+    const bool single = end - first == 1;
+    const Handle root = single ? source_.root(roots_[first]) : Handle{};
+    if (single && cutLevels_ > 0 && source_.kind(root) == NodeKind::Inner)
+    {
+      return cutNode(root, padding_, rootOctant(first), first, cutLevels_);
+    }
+    if (end - first <= runLength_)
+    {
+      Stretch stretch;
+      stretch.firstRoot = first;
+      stretch.endRoot = end;
+      if (countTrees(stretch))
+      {
+        list.push_back(std::move(stretch));
+        return list;
+      }
+      if (single)
+      {
+        return cutNode(root, padding_, rootOctant(first), first, manyCuts);
+      }
+    }
+    const std::size_t middle = first + (end - first) / 2;
+    std::vector<Stretch> upper;
+    tbb::parallel_invoke([&] { list = cutTrees(first, middle); }, [&] { upper = cutTrees(middle, end); });
+    std::move(upper.begin(), upper.end(), std::back_inserter(list));
+    return list;
+  }
+
+  /// Of an inner node, cut into its children, these likewise, `levels` times at least.
+  std::vector<Stretch> cutNode(const Handle& node, int depth, int octant, std::size_t root, int levels) const
+  {
+    std::vector<Stretch> list(1);
+    list[0].node = node;
+    list[0].depth = depth;
+    list[0].octant = octant;
+    list[0].firstRoot = root;
+    if (levels == 0)
+    {
+      list[0].extent = Stretch::Extent::Subtree;
+      if (countSubtree(node, depth, list[0]))
+      {
+        return list;
+      }
+      list[0].counts = {};
+      list[0].masks = {};
+      levels = manyCuts;
+    }
+    list[0].extent = Stretch::Extent::OneNode;
+    if (depth == padding_)
+    {
+      startAbove(root, list[0].counts);
+    }
+    std::array<Handle, 8> children;
+    const ChildMasks masks = classify(node, depth, children, list[0].counts);
+    list[0].masks.push_back(masks);
+    std::array<std::vector<Stretch>, 8> below;
+    tbb::parallel_for(0, 8, [&](int o) {
+      if (masks.isInner(o))
+      {
+        below[o] = cutNode(children[o], depth + 1, o, root, levels - 1);
+      }
+    });
+    for (auto& part : below)
+    {
+      std::move(part.begin(), part.end(), std::back_inserter(list));
+    }
+    return list;
+  }
+
   const Source& source_;
+  int padding_;
+  int maxLevel_;
+  std::vector<std::size_t> roots_; // the source's numbers of its trees
+  std::size_t runLength_;
+  int cutLevels_ = 0; // of every tree
 };
 
 } // namespace detail
@@ -129,113 +341,28 @@ private:
 template <class Source>
 OctreeAndValues buildOctree(RootGrid grid, const Source& source)
 {
-  OctreeAssembler assembler(std::move(grid));
-  const Octree& octree = assembler.octree();
-  const detail::PaddedSource<Source> padded(octree.grid(), source);
-  using Handle = typename detail::PaddedSource<Source>::Handle;
-
+  using Forest = detail::Forest<Source>;
+  const Forest forest(grid, source);
+  std::vector<typename Forest::Stretch> stretches = forest.stretches();
+  std::vector<NodeCounts> counts;
+  counts.reserve(stretches.size());
+  for (const auto& s : stretches)
+  {
+    counts.push_back(s.counts);
+  }
+  OctreeAssembler assembler(std::move(grid), std::move(counts), source.ghosts());
   OctreeAndValues result;
-  std::vector<std::uint64_t> ghosts;
-  std::vector<Handle> frontier(1);
-  const NodeKind rootKind = padded.root(frontier[0]);
-  if (rootKind == NodeKind::None)
-  {
-    result.octree = assembler.finish();
-    return result;
-  }
-  assembler.setRoot({ rootKind, 0, 0 });
-  if (rootKind == NodeKind::Leaf)
-  {
-    assembler.countRootLeaf();
-    result.values.push_back(source.value(frontier[0].node));
-    if (source.ghosts() && source.isGhost(frontier[0].node))
-    {
-      ghosts.push_back(0);
-    }
-    frontier.clear();
-  }
-
-  std::vector<OctreeAssembler::Masks> masks;
-  for (int depth = 0; !frontier.empty(); ++depth)
-  {
-    if (depth - octree.grid().paddingDepth() >= octree.grid().maxLevel())
-    {
-      throw Error("octree: cells deeper than level " + std::to_string(octree.grid().maxLevel()) +
-        ", the deepest that 64-bit lattice coordinates allow on this root grid");
-    }
-    masks.assign(frontier.size(), {});
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, frontier.size(), 256), [&](const auto& r) {
-      Handle child;
-      for (std::size_t i = r.begin(); i < r.end(); ++i)
+  result.values.resize(assembler.octree().leafCount());
+  tbb::parallel_for(std::size_t(0), stretches.size(), [&](std::size_t s) {
+    OctreeAssembler::Writer writer(assembler, s);
+    forest.write(stretches[s], writer, [&](std::uint64_t leaf, const typename Source::Handle& handle) {
+      result.values[leaf] = source.value(handle);
+      if (source.ghosts() && source.isGhost(handle))
       {
-        for (int o = 0; o < 8; ++o)
-        {
-          const NodeKind kind = padded.child(frontier[i], depth, o, child);
-          masks[i].exists |= static_cast<std::uint8_t>((kind != NodeKind::None) << o);
-          masks[i].leaf |= static_cast<std::uint8_t>((kind == NodeKind::Leaf) << o);
-        }
+        writer.markGhost(leaf);
       }
     });
-    const std::uint64_t firstNode = octree.innerCount();
-    const std::uint64_t firstLeaf = octree.leafCount();
-    assembler.append(masks);
-    if (octree.leafCount() > firstLeaf)
-    {
-      assembler.setLeafDepth(depth + 1);
-    }
-
-    const std::uint64_t nextFirst = octree.innerCount();
-    std::uint64_t innerChildren = 0;
-    for (const auto& m : masks)
-    {
-      innerChildren += std::popcount(static_cast<unsigned>(m.exists & ~m.leaf));
-    }
-    result.values.resize(octree.leafCount());
-    std::vector<Handle> next(innerChildren);
-    std::vector<std::uint8_t> ghostHere(source.ghosts() ? octree.leafCount() - firstLeaf : 0, 0);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, frontier.size(), 256), [&](const auto& r) {
-      Handle child;
-      for (std::size_t i = r.begin(); i < r.end(); ++i)
-      {
-        const NodeRef node(NodeKind::Inner, depth, firstNode + i);
-        for (int o = 0; o < 8; ++o)
-        {
-          const NodeRef ref = octree.child(node, o);
-          if (ref.isNone())
-          {
-            continue;
-          }
-          padded.child(frontier[i], depth, o, child);
-          if (ref.isInner())
-          {
-            next[ref.index() - nextFirst] = child;
-            continue;
-          }
-          result.values[ref.index()] = source.value(child.node);
-          if (source.ghosts())
-          {
-            ghostHere[ref.index() - firstLeaf] = source.isGhost(child.node);
-          }
-        }
-      }
-    });
-    for (std::size_t i = 0; i < ghostHere.size(); ++i)
-    {
-      if (ghostHere[i])
-      {
-        ghosts.push_back(firstLeaf + i);
-      }
-    }
-    frontier = std::move(next);
-  }
-  if (!ghosts.empty())
-  {
-    assembler.allocateGhosts();
-    for (const std::uint64_t leaf : ghosts)
-    {
-      assembler.setGhost(leaf);
-    }
-  }
+  });
   result.octree = assembler.finish();
   return result;
 }
@@ -243,55 +370,43 @@ OctreeAndValues buildOctree(RootGrid grid, const Source& source)
 template <class Source>
 std::vector<float> gatherLeafValues(const Octree& octree, const Source& source)
 {
-  const detail::PaddedSource<Source> padded(octree.grid(), source);
-  using Handle = typename detail::PaddedSource<Source>::Handle;
+  using Handle = typename Source::Handle;
   std::vector<float> values(octree.leafCount());
-  std::vector<Handle> frontier(1);
-  padded.root(frontier[0]);
-  if (octree.root().isLeaf())
-  {
-    values[0] = source.value(frontier[0].node);
-  }
-  std::uint64_t firstNode = 0;
-  for (int depth = 0; firstNode < octree.innerCount(); ++depth)
-  {
-    const std::uint64_t nextFirst = firstNode + frontier.size();
-    std::uint64_t nextEnd = nextFirst;
-    for (std::size_t i = frontier.size(); i-- > 0 && nextEnd == nextFirst;)
+  const auto gather = [&](const auto& self, NodeRef node, const Handle& handle, int parallelLevels) -> void {
+    if (node.isLeaf())
     {
-      for (int o = 0; o < 8; ++o)
-      {
-        const NodeRef ref = octree.child({ NodeKind::Inner, depth, firstNode + i }, o);
-        nextEnd = ref.isInner() ? ref.index() + 1 : nextEnd;
-      }
+      values[node.index()] = source.value(handle);
+      return;
     }
-    std::vector<Handle> next(nextEnd - nextFirst);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, frontier.size(), 256), [&](const auto& r) {
-      Handle child;
-      for (std::size_t i = r.begin(); i < r.end(); ++i)
+    const auto gatherChild = [&](int o) {
+      if (const NodeRef child = octree.child(node, o); !child.isNone())
       {
-        for (int o = 0; o < 8; ++o)
-        {
-          const NodeRef ref = octree.child({ NodeKind::Inner, depth, firstNode + i }, o);
-          if (ref.isNone())
-          {
-            continue;
-          }
-          padded.child(frontier[i], depth, o, child);
-          if (ref.isInner())
-          {
-            next[ref.index() - nextFirst] = child;
-          }
-          else
-          {
-            values[ref.index()] = source.value(child.node);
-          }
-        }
+        self(self, child, source.child(handle, o), parallelLevels - 1);
       }
-    });
-    firstNode = nextFirst;
-    frontier = std::move(next);
-  }
+    };
+    if (parallelLevels > 0)
+    {
+      tbb::parallel_for(0, 8, gatherChild);
+      return;
+    }
+    for (int o = 0; o < 8; ++o)
+    {
+      gatherChild(o);
+    }
+  };
+  const int padding = octree.grid().paddingDepth();
+  tbb::parallel_for(std::size_t(0), source.rootCount(), [&](std::size_t r) {
+    const std::array<Coord, 3> place = source.rootPlace(r);
+    NodeRef node = octree.root();
+    for (int up = padding - 1; up >= 0 && node.isInner(); --up)
+    {
+      node = octree.child(node, detail::octantAbove(place, up));
+    }
+    if (!node.isNone())
+    {
+      gather(gather, node, source.root(r), 4);
+    }
+  });
   return values;
 }
 

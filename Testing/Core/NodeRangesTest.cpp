@@ -171,4 +171,5 @@ TEST(NodeRanges, CostTwoBytesPerInnerNode)
   field.computeNodeRanges();
   EXPECT_TRUE(field.hasNodeRanges());
   EXPECT_EQ(field.byteSize() - before, 2 * built.octree->innerCount());
+  EXPECT_EQ(before, 4 * (built.octree->leafCount() + built.octree->innerCount()));
 }
