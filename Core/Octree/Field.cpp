@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -63,7 +64,7 @@ void Field::checkAndMeasureValues()
 }
 
 /// From the deepest nodes upwards. The volumes are the covered parts of nodes, 1 = all, which differ between
-/// siblings where cells are missing; they are kept for two depths.
+/// siblings where cells are missing; they are kept for two depths, and not at all while nothing is missing.
 void Field::computeMeans()
 {
   const Octree& octree = *octree_;
@@ -74,8 +75,20 @@ void Field::computeMeans()
   {
     const std::uint64_t first = octree.firstInner(depth);
     const std::uint64_t end = octree.firstInner(depth + 1);
-    volumes.resize(end - first);
-    tbb::parallel_for(tbb::blocked_range<std::uint64_t>(first, end, 4096), [&](const auto& nodes) {
+    const tbb::blocked_range<std::uint64_t> ofDepth(first, end, 4096);
+    const bool whole = volumesBelow.empty() &&
+      tbb::parallel_reduce(
+        ofDepth, true,
+        [&](const auto& nodes, bool all) {
+          for (std::uint64_t n = nodes.begin(); all && n < nodes.end(); ++n)
+          {
+            all = octree.children(n).masks.exists == 255;
+          }
+          return all;
+        },
+        std::logical_and<>());
+    volumes.resize(whole ? 0 : end - first);
+    tbb::parallel_for(ofDepth, [&](const auto& nodes) {
       for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
       {
         const Octree::Table::Children children = octree.children(n);
@@ -88,11 +101,15 @@ void Field::computeMeans()
         }
         for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
         {
-          sum += volumesBelow[c - end] * means_[c];
-          covered += volumesBelow[c - end];
+          const double volume = volumesBelow.empty() ? 1. : volumesBelow[c - end];
+          sum += volume * means_[c];
+          covered += volume;
         }
-        volumes[n - first] = covered / 8.;
         means_[n] = static_cast<float>(sum / covered);
+        if (!whole)
+        {
+          volumes[n - first] = covered / 8.;
+        }
       }
     });
     std::swap(volumes, volumesBelow);

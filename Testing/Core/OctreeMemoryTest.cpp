@@ -1,54 +1,14 @@
 // Bytes per cell: what is kept, and what a build holds at most. Counts everything this program allocates.
 #include "Octree/Field.h"
 #include "Octree/OctreeBuilder.h"
+#include "Support/AllocationCounter.h"
 #include "Support/ProceduralTree.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdlib>
-#include <new>
+#include <optional>
 #include <random>
-
-namespace
-{
-
-std::atomic<std::size_t> allocated{ 0 };
-std::atomic<std::size_t> highest{ 0 };
-constexpr std::size_t headerSize = 16; // keeps the alignment
-
-} // namespace
-
-void* operator new(std::size_t size)
-{
-  auto* const header = static_cast<std::size_t*>(std::malloc(size + headerSize));
-  if (!header)
-  {
-    throw std::bad_alloc();
-  }
-  *header = size;
-  const std::size_t now = allocated += size;
-  for (std::size_t before = highest; before < now && !highest.compare_exchange_weak(before, now);)
-  {
-  }
-  return reinterpret_cast<char*>(header) + headerSize;
-}
-
-void operator delete(void* pointer) noexcept
-{
-  if (pointer)
-  {
-    auto* const header = reinterpret_cast<std::size_t*>(static_cast<char*>(pointer) - headerSize);
-    allocated -= *header;
-    std::free(header);
-  }
-}
-
-void operator delete(void* pointer, std::size_t /*size*/) noexcept
-{
-  operator delete(pointer);
-}
 
 using namespace treeamr;
 using namespace treeamr::test;
@@ -90,15 +50,15 @@ const ProceduralTree tree(deepest, 3.);
 
 TEST(OctreeMemory, FieldsCostSixAndFiveBytesACell)
 {
-  const std::size_t before = allocated;
+  const std::size_t before = allocatedBytes;
   auto built = buildOctree(unitCube(), tree);
   Field first(built.octree, std::move(built.values));
   first.computeNodeRanges();
   const auto cells = static_cast<double>(first.octree().leafCount());
-  const std::size_t withOne = allocated;
+  const std::size_t withOne = allocatedBytes;
   Field second(built.octree, gatherLeafValues(first.octree(), tree));
   second.computeNodeRanges();
-  const std::size_t withTwo = allocated;
+  const std::size_t withTwo = allocatedBytes;
   EXPECT_GT(cells, 200000.);
   EXPECT_LE(static_cast<double>(withOne - before), 5.8 * cells);
   EXPECT_LE(static_cast<double>(withTwo - withOne), 4.9 * cells);
@@ -113,22 +73,30 @@ TEST(OctreeMemory, BuildsFromAListWithinThreeTimesTheResult)
   for (const int below : { 0, 10 }) // keys of 32 and 64 bits
   {
     auto cells = cellsOf(tree, below);
-    const std::size_t before = allocated;
-    highest = before;
-    auto built = buildOctree(unitCube(), std::move(cells));
-    Field field(built.octree, std::move(built.values));
-    field.computeNodeRanges();
-    const std::size_t result = field.octree().byteSize() + field.byteSize();
-    EXPECT_LE(highest - before, 3 * result) << "keys down to level " << deepest + below;
+    std::optional<Field> field;
+    const std::size_t peak = peakBytes([&] {
+      auto built = buildOctree(unitCube(), std::move(cells));
+      field.emplace(built.octree, std::move(built.values));
+      field->computeNodeRanges();
+    });
+    EXPECT_LE(peak, 3 * (field->octree().byteSize() + field->byteSize()));
   }
 }
 
 TEST(OctreeMemory, BuildsFromASourceWithATenthOnTop)
 {
-  const std::size_t before = allocated;
-  highest = before;
-  const auto built = buildOctree(unitCube(), tree);
+  OctreeAndValues built;
+  const std::size_t peak = peakBytes([&] { built = buildOctree(unitCube(), tree); });
   const std::size_t result = built.octree->byteSize() + built.values.capacity() * sizeof(float);
-  const std::size_t stretches = std::size_t(512) * 4096; // counts, masks of offsets
-  EXPECT_LE(highest - before, result + result / 10 + stretches);
+  const std::size_t stretches = std::size_t(512) * 4096; // what is counted for each
+  EXPECT_LE(peak, result + result / 10 + stretches);
+}
+
+TEST(OctreeMemory, MeansOfAWholeTreeNeedNothingElse)
+{
+  auto built = buildOctree(unitCube(), tree);
+  const std::size_t inner = built.octree->innerCount();
+  std::optional<Field> field;
+  const std::size_t peak = peakBytes([&] { field.emplace(built.octree, std::move(built.values)); });
+  EXPECT_LE(peak, inner * sizeof(float) + 10000);
 }
