@@ -5,10 +5,9 @@
 // 2^32 cells.
 #pragma once
 
+#include "Octree/NodeRef.h"
+
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cassert>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -16,19 +15,46 @@
 namespace treeamr
 {
 
-/// Number of bits set. std::popcount is a library call on the x86-64 baseline.
-inline int bitCount(std::uint8_t mask) noexcept
+/// Of a mask of octants; std::popcount is a library call on the x86-64 baseline. Four copies of the mask, of
+/// which a nibble's step picks each bit once.
+constexpr unsigned bitCount(unsigned mask) noexcept
 {
-  static constexpr std::array<std::uint8_t, 256> table = [] {
-    std::array<std::uint8_t, 256> counts{};
-    for (unsigned i = 0; i < counts.size(); ++i)
-    {
-      counts[i] = static_cast<std::uint8_t>(std::popcount(i));
-    }
-    return counts;
-  }();
-  return table[mask];
+  return ((mask * 0x08040201u >> 3) & 0x11111111u) * 0x11111111u >> 28;
 }
+
+/// An inner node's children: of either kind, they follow each other in the order of their octants.
+struct Children
+{
+  unsigned exists; // masks of octants
+  unsigned leaf;   // subset of exists
+  std::uint64_t firstInner;
+  std::uint64_t firstLeaf;
+
+  unsigned inner() const noexcept { return exists & ~leaf; }
+  bool allLeaves() const noexcept { return leaf == 0xff; }
+  unsigned innerCount() const noexcept { return bitCount(inner()); }
+  unsigned leafCount() const noexcept { return bitCount(leaf); }
+  /// Of a child that exists and is of this kind.
+  std::uint64_t innerIndex(int octant) const noexcept
+  {
+    return firstInner + bitCount(inner() & ((1u << octant) - 1));
+  }
+  std::uint64_t leafIndex(int octant) const noexcept
+  {
+    return firstLeaf + bitCount(leaf & ((1u << octant) - 1));
+  }
+  /// Octant o is at x = o & 1, y = o >> 1 & 1, z = o >> 2. depth: the child's.
+  NodeRef node(int octant, int depth) const noexcept
+  {
+    const unsigned bit = 1u << octant;
+    if (!(exists & bit))
+    {
+      return {};
+    }
+    return leaf & bit ? NodeRef(NodeKind::Leaf, depth, leafIndex(octant))
+                      : NodeRef(NodeKind::Inner, depth, innerIndex(octant));
+  }
+};
 
 /// Which children a node has: masks of octants.
 struct ChildMasks
@@ -53,39 +79,12 @@ public:
   static constexpr std::uint64_t blockSize = std::uint64_t(1) << BlockBits;
   static_assert(8 * (blockSize - 1) <= std::numeric_limits<Delta>::max(), "differences fit");
 
-  /// The children of one node are neighbours among the leaves and among the inner nodes, by octant.
-  struct Children
-  {
-    ChildMasks masks;
-    std::uint64_t firstInner;
-    std::uint64_t firstLeaf;
-
-    int leafCount() const noexcept { return bitCount(masks.leaf); }
-    int innerCount() const noexcept { return bitCount(masks.exists) - bitCount(masks.leaf); }
-  };
-
   std::uint64_t size() const noexcept { return nodes_.size(); }
-  ChildMasks masks(std::uint64_t node) const noexcept { return nodes_[node].masks; }
   Children children(std::uint64_t node) const noexcept
   {
     const Node& n = nodes_[node];
     const Base& base = bases_[node >> BlockBits];
-    return { n.masks, base.inner + n.innerDelta, base.leaf + n.leafDelta };
-  }
-  /// Index among the leaves of a child that is one.
-  std::uint64_t leafChild(std::uint64_t node, int octant) const noexcept
-  {
-    const Node& n = nodes_[node];
-    assert(n.masks.isLeaf(octant));
-    return bases_[node >> BlockBits].leaf + n.leafDelta + bitCount(n.masks.leaf & below(octant));
-  }
-  /// Index among the inner nodes of a child that is one.
-  std::uint64_t innerChild(std::uint64_t node, int octant) const noexcept
-  {
-    const Node& n = nodes_[node];
-    assert(n.masks.isInner(octant));
-    return bases_[node >> BlockBits].inner + n.innerDelta +
-      bitCount(n.masks.exists & ~n.masks.leaf & below(octant));
+    return { n.masks.exists, n.masks.leaf, base.inner + n.innerDelta, base.leaf + n.leafDelta };
   }
 
   /// Allocated bytes.
@@ -145,7 +144,6 @@ private:
     std::uint64_t inner; // first child of either kind of the block's first node
     std::uint64_t leaf;
   };
-  static std::uint8_t below(int octant) noexcept { return static_cast<std::uint8_t>((1u << octant) - 1); }
 
   std::vector<Node> nodes_;
   std::vector<Base> bases_;

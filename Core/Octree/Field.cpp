@@ -82,7 +82,7 @@ void Field::computeMeans()
         [&](const auto& nodes, bool all) {
           for (std::uint64_t n = nodes.begin(); all && n < nodes.end(); ++n)
           {
-            all = octree.children(n).masks.exists == 255;
+            all = octree.children(n).exists == 0xff;
           }
           return all;
         },
@@ -91,11 +91,11 @@ void Field::computeMeans()
     tbb::parallel_for(ofDepth, [&](const auto& nodes) {
       for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
       {
-        const Octree::Table::Children children = octree.children(n);
-        const int leafCount = children.leafCount();
+        const Children children = octree.children(n);
+        const unsigned leafCount = children.leafCount();
         double sum = 0.;
         double covered = leafCount;
-        for (int i = 0; i < leafCount; ++i)
+        for (unsigned i = 0; i < leafCount; ++i)
         {
           sum += values_[children.firstLeaf + i];
         }
@@ -137,7 +137,7 @@ void Field::encodeNodeRanges(std::vector<Range> exact)
       [&](const auto& nodes) {
         for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
         {
-          const Octree::Table::Children children = octree.children(n);
+          const Children children = octree.children(n);
           for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
           {
             encode(c, exact[n]);

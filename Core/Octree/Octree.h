@@ -16,35 +16,6 @@
 namespace treeamr
 {
 
-enum class NodeKind : std::uint8_t
-{
-  None,
-  Leaf,
-  Inner
-};
-
-/// A node by kind, depth and index among the leaves or inner nodes of the octree.
-class NodeRef
-{
-public:
-  NodeRef() noexcept = default;
-  constexpr NodeRef(NodeKind kind, int depth, std::uint64_t index) noexcept
-    : bits_(static_cast<std::uint64_t>(kind) << 62 | static_cast<std::uint64_t>(depth) << 56 | index)
-  {
-  }
-  constexpr NodeKind kind() const noexcept { return static_cast<NodeKind>(bits_ >> 62); }
-  constexpr bool isNone() const noexcept { return kind() == NodeKind::None; }
-  constexpr bool isLeaf() const noexcept { return kind() == NodeKind::Leaf; }
-  constexpr bool isInner() const noexcept { return kind() == NodeKind::Inner; }
-  constexpr int depth() const noexcept { return static_cast<int>(bits_ >> 56 & 63); }
-  constexpr std::uint64_t index() const noexcept { return bits_ & ((std::uint64_t(1) << 56) - 1); }
-  constexpr bool operator==(const NodeRef&) const noexcept = default;
-
-private:
-  std::uint64_t bits_; // uninitialised by default, none when value-initialised: paths hold thousands of these
-};
-static_assert(sizeof(NodeRef) == 8);
-
 class Octree
 {
 public:
@@ -63,23 +34,14 @@ public:
   /// None for an octree without cells.
   NodeRef root() const noexcept { return root_; }
 
+  using Children = treeamr::Children;
+  Children children(std::uint64_t inner) const noexcept { return table_.children(inner); }
   /// Octant o is at x = o & 1, y = o >> 1 & 1, z = o >> 2.
   NodeRef child(NodeRef parent, int octant) const noexcept
   {
     assert(parent.isInner());
-    const std::uint64_t n = parent.index();
-    const ChildMasks masks = table_.masks(n);
-    if (masks.isLeaf(octant))
-    {
-      return { NodeKind::Leaf, parent.depth() + 1, table_.leafChild(n, octant) };
-    }
-    if (masks.isInner(octant))
-    {
-      return { NodeKind::Inner, parent.depth() + 1, table_.innerChild(n, octant) };
-    }
-    return {};
+    return children(parent.index()).node(octant, parent.depth() + 1);
   }
-  Table::Children children(std::uint64_t inner) const noexcept { return table_.children(inner); }
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.
   bool hasGhosts() const noexcept { return !ghosts_.empty(); }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bitset>
 #include <random>
 
 using namespace treeamr;
@@ -55,21 +56,23 @@ void expectRunningSums(double refine, std::uint64_t firstInner, std::uint64_t fi
   leaf = firstLeaf;
   for (std::uint64_t n = 0; n < count; ++n)
   {
-    const auto children = table.children(n);
+    const Children children = table.children(n);
     ASSERT_EQ(children.firstInner, inner);
     ASSERT_EQ(children.firstLeaf, leaf);
     for (int o = 0; o < 8; ++o)
     {
-      ASSERT_EQ(children.masks.isLeaf(o), masks[n].isLeaf(o));
-      ASSERT_EQ(children.masks.isInner(o), masks[n].isInner(o));
+      NodeRef expected{};
       if (masks[n].isLeaf(o))
       {
-        ASSERT_EQ(table.leafChild(n, o), leaf++);
+        ASSERT_EQ(children.leafIndex(o), leaf);
+        expected = { NodeKind::Leaf, 7, leaf++ };
       }
       else if (masks[n].isInner(o))
       {
-        ASSERT_EQ(table.innerChild(n, o), inner++);
+        ASSERT_EQ(children.innerIndex(o), inner);
+        expected = { NodeKind::Inner, 7, inner++ };
       }
+      ASSERT_EQ(children.node(o, 7), expected);
     }
     ASSERT_EQ(children.firstInner + children.innerCount(), inner);
     ASSERT_EQ(children.firstLeaf + children.leafCount(), leaf);
@@ -88,6 +91,14 @@ TEST(ChildTable, BlocksCarryNarrowDifferencesAnyFar)
     expectRunningSums<ChildTable<std::uint8_t, 5>>(refine, far, far / 3);
     expectRunningSums<ChildTable<std::uint8_t, 0>>(refine, far, far / 3);
     expectRunningSums<Octree::Table>(refine, far, far / 3);
+  }
+}
+
+TEST(ChildTable, CountsTheBitsOfAnyMask)
+{
+  for (unsigned mask = 0; mask < 256; ++mask)
+  {
+    EXPECT_EQ(bitCount(mask), std::bitset<8>(mask).count());
   }
 }
 
