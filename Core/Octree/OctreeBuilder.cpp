@@ -1,10 +1,19 @@
 // From a list of cells: keys, a sort, and the nodes between each cell's key and the one before.
 #include "Octree/OctreeBuilder.h"
 
+#include "Error.h"
 #include "Octree/MortonKey.h"
+#include "Octree/OctreeAssembler.h"
 #include "Octree/RadixSort.h"
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <concepts>
+#include <memory>
 #include <optional>
+#include <string>
 
 namespace treeamr
 {
