@@ -1,6 +1,6 @@
-// The trees of a Source (OctreeBuilder.h) in Morton order and the two walks over them: the first finds of what
-// kind the nodes are and cuts the work into stretches (OctreeAssembler.h), whole trees, subtrees of a large tree
-// or a single node above such subtrees; the second writes them.
+// The trees of a Source (OctreeBuilder.h) in Morton order and the two walks over them: the first finds of
+// what kind the nodes are and cuts the work into stretches (OctreeAssembler.h), whole trees, subtrees of a
+// large tree or a single node above such subtrees; the second writes them.
 #pragma once
 
 #include "Error.h"

@@ -1,7 +1,7 @@
 // Cells as sortable integers: the octants on the way down to a cell, three bits each, then a one.
 //
-// The final one stands for the cell's size: it puts the cell in the middle of the keys of all that lies inside
-// it, so disjoint cells sort in Morton order (x fastest) and of overlapping cells two are neighbours.
+// The final one stands for the cell's size: it puts the cell in the middle of the keys of all that lies
+// inside it, so disjoint cells sort in Morton order (x fastest) and of overlapping cells two are neighbours.
 #pragma once
 
 #include "Octree/RootGrid.h"
@@ -63,8 +63,8 @@ private:
   int depth_;
 };
 
-/// Three words of 21 octants, the first the most significant, for any octree; the final one is the high bit of
-/// the octant after the last.
+/// Three words of 21 octants, the first the most significant, for any octree; the final one is the high bit
+/// of the octant after the last.
 struct WideKey
 {
   std::array<std::uint64_t, 3> words;

@@ -3,7 +3,7 @@
 // A Source has
 //   using Handle = ...;                                   a trivially copyable name of a node
 //   std::size_t rootCount() const;                        how many trees it holds
-//   std::array<Coord, 3> rootPlace(std::size_t) const;    a tree's place on the lattice of roots, no two alike
+//   std::array<Coord, 3> rootPlace(std::size_t) const;    a tree's place among the roots, no two alike
 //   Handle root(std::size_t) const;                       a tree's root
 //   NodeKind kind(const Handle&) const;                   never Inner when no leaf is below
 //   Handle child(const Handle&, int octant) const;        of an inner node, children of kind None included

@@ -10,7 +10,8 @@
 namespace treeamr::test
 {
 
-/// On the unit cube, one tree. A cell is refined while the sheet passes within `widths` of its centre along y.
+/// On the unit cube, one tree. A cell is refined while the sheet passes within `widths` of its own widths
+/// above or below its centre.
 /// About 4.7 * widths * 4^deepest cells: 200M for (12, 2.55).
 class ProceduralTree
 {
