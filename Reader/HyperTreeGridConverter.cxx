@@ -55,7 +55,9 @@ public:
     // Without isolation this thread, waiting for its workers, could start a task of somebody else that comes
     // here again and would wait for the lock that this thread holds.
     tbb::this_task_arena::isolate([&] {
-      auto made = std::make_shared<Field>(field ? *field : build(topology, key.topology, values));
+      // Two branches: a conditional expression would copy what is built.
+      auto made = field ? std::make_shared<Field>(*field)
+                        : std::make_shared<Field>(build(topology, key.topology, values));
       if (withNodeRanges)
       {
         made->computeNodeRanges();

@@ -7,6 +7,7 @@
 
 #include "Octree/OctreeBuilder.h"
 
+#include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 
@@ -47,14 +48,23 @@ public:
       throw Error(name + "has " + std::to_string(array_->GetNumberOfTuples()) + " tuples, the cells need " +
         std::to_string(indexEnd));
     }
+    if (auto* doubles = vtkAOSDataArrayTemplate<double>::FastDownCast(array_))
+    {
+      doubles_ = doubles->GetPointer(0);
+    }
+    else if (auto* floats = vtkAOSDataArrayTemplate<float>::FastDownCast(array_))
+    {
+      floats_ = floats->GetPointer(0);
+    }
   }
 
-  /// GetComponent(): other than GetTuple(i) it uses no buffer of the array.
   double operator()(vtkIdType index) const
   {
     if (component_ >= 0)
     {
-      return array_->GetComponent(index, component_);
+      const vtkIdType at = index * componentCount_ + component_;
+      // GetComponent(): other than GetTuple(i) it uses no buffer of the array.
+      return doubles_ ? doubles_[at] : floats_ ? floats_[at] : array_->GetComponent(index, component_);
     }
     double squares = 0.;
     for (int c = 0; c < componentCount_; ++c)
@@ -89,6 +99,8 @@ private:
   }
 
   vtkDataArray* array_ = nullptr;
+  const double* doubles_ = nullptr; // the array's memory when it is of this type
+  const float* floats_ = nullptr;
   int componentCount_ = 0;
   int component_ = 0;
 };
@@ -110,20 +122,9 @@ public:
   {
   }
 
-  bool root(const std::array<Coord, 3>& place, Handle& handle) const
-  {
-    const auto& trees = topology_.trees();
-    const auto found =
-      std::lower_bound(trees.begin(), trees.end(), place, [](const HyperTreeView& t, const auto& p) {
-        return std::lexicographical_compare(t.root.rbegin(), t.root.rend(), p.rbegin(), p.rend());
-      });
-    if (found == trees.end() || found->root != place)
-    {
-      return false;
-    }
-    handle = { static_cast<std::uint32_t>(found - trees.begin()), 0, 0 };
-    return true;
-  }
+  std::size_t rootCount() const noexcept { return topology_.trees().size(); }
+  std::array<Coord, 3> rootPlace(std::size_t tree) const { return topology_.trees()[tree].root; }
+  Handle root(std::size_t tree) const { return { static_cast<std::uint32_t>(tree), 0, 0 }; }
 
   NodeKind kind(const Handle& handle) const
   {
@@ -185,12 +186,7 @@ private:
       sum.weight += weight;
       return;
     }
-    const auto maxLevel = static_cast<unsigned int>(topology_.rootGrid().maxLevel());
-    if (level >= maxLevel) // bounds the recursion
-    {
-      throw Error("hyper tree grid: a tree is deeper than level " + std::to_string(maxLevel) +
-        ", the deepest allowed on this root grid");
-    }
+    topology_.checkDepth(level); // bounds the recursion
     for (int o = 0; o < 8; ++o)
     {
       addLeaves(tree, tree.child(vertex, o), level + 1, weight / 8., sum);

@@ -160,25 +160,52 @@ void HyperTreeGridTopology::checkTrees() const
 
 void HyperTreeGridTopology::measureGlobalIndices()
 {
-  for (const HyperTreeView& tree : trees_)
+  struct Measured
   {
-    globalIndexDigest_.add(static_cast<std::uint64_t>(tree.globalStart));
-    vtkIdType end = tree.globalStart + tree.vertexCount;
+    vtkIdType end = 0;
+    ContentDigest digest;
+  };
+  const auto measure = [](const HyperTreeView& tree, vtkIdType begin, vtkIdType end) {
+    Measured m;
+    for (vtkIdType v = begin; v < end; ++v)
+    {
+      const vtkIdType index = tree.globalIndex(v);
+      if (index < 0)
+      {
+        throw Error("hyper tree grid: vertex " + std::to_string(v) + " of a tree has no global index");
+      }
+      m.end = std::max(m.end, index + 1);
+      m.digest.add(static_cast<std::uint64_t>(index));
+    }
+    return m;
+  };
+  // In blocks of a fixed size: the digest must not depend on the number of threads.
+  constexpr vtkIdType blockSize = 1 << 15;
+  std::vector<Measured> ofTrees(trees_.size());
+  tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
+    const HyperTreeView& tree = trees_[t];
+    Measured& all = ofTrees[t];
+    all.digest.add(static_cast<std::uint64_t>(tree.globalStart));
+    all.end = tree.globalStart + tree.vertexCount;
     if (tree.globalStart < 0)
     {
-      end = 0;
-      for (vtkIdType v = 0; v < tree.vertexCount; ++v)
+      std::vector<Measured> blocks((tree.vertexCount + blockSize - 1) / blockSize);
+      tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t b) {
+        const auto begin = static_cast<vtkIdType>(b) * blockSize;
+        blocks[b] = measure(tree, begin, std::min(tree.vertexCount, begin + blockSize));
+      });
+      all.end = 0;
+      for (const Measured& block : blocks)
       {
-        const vtkIdType index = tree.globalIndex(v);
-        if (index < 0)
-        {
-          throw Error("hyper tree grid: vertex " + std::to_string(v) + " of a tree has no global index");
-        }
-        end = std::max(end, index + 1);
-        globalIndexDigest_.add(static_cast<std::uint64_t>(index));
+        all.end = std::max(all.end, block.end);
+        all.digest.add(block.digest);
       }
     }
-    globalIndexEnd_ = std::max(globalIndexEnd_, end);
+  });
+  for (const Measured& tree : ofTrees)
+  {
+    globalIndexEnd_ = std::max(globalIndexEnd_, tree.end);
+    globalIndexDigest_.add(tree.digest);
   }
 }
 
@@ -228,13 +255,21 @@ void HyperTreeGridTopology::markMaskAndGhosts(vtkHyperTreeGrid& grid)
   allocateStates();
   forEachVertex(
     [&](const HyperTreeView& tree, vtkIdType v) { states_[tree.firstState + v] = state(tree, v); });
-  propagateDown();
-  propagateUp();
+  propagateStates();
 }
 
 bool HyperTreeGridTopology::hasCells() const noexcept
 {
   return std::any_of(trees_.begin(), trees_.end(), [&](const HyperTreeView& t) { return exists(t, 0); });
+}
+
+void HyperTreeGridTopology::checkDepth(unsigned int level) const
+{
+  if (level >= static_cast<unsigned int>(rootGrid_.maxLevel()))
+  {
+    throw Error("hyper tree grid: a tree is deeper than level " + std::to_string(rootGrid_.maxLevel()) +
+      ", the deepest allowed on this root grid");
+  }
 }
 
 void HyperTreeGridTopology::allocateStates()
@@ -251,43 +286,49 @@ void HyperTreeGridTopology::allocateStates()
   }
 }
 
-/// Nothing exists below a masked vertex.
-void HyperTreeGridTopology::propagateDown()
+/// Nothing exists below a masked vertex. A coarse vertex exists when a child does; it is a ghost when all its
+/// existing children are.
+void HyperTreeGridTopology::propagateStates()
 {
-  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
-    std::uint8_t* const states = states_.data() + tree.firstState;
-    for (vtkIdType v = 0; v < tree.vertexCount; ++v)
-    {
-      if (!states[v] && !tree.isLeaf(v))
-      {
-        std::fill_n(states + tree.child(v, 0), 8, std::uint8_t(0));
-      }
-    }
-  });
+  tbb::parallel_for(
+    std::size_t(0), trees_.size(), [&](std::size_t t) { propagateStates(trees_[t], 0, 0, false); });
 }
 
-/// A coarse vertex exists when a child does; it is a ghost when all its existing children are.
-void HyperTreeGridTopology::propagateUp()
+std::uint8_t HyperTreeGridTopology::propagateStates(
+  const HyperTreeView& tree, vtkIdType vertex, unsigned int level, bool belowMasked)
 {
-  tbb::parallel_for_each(trees_.begin(), trees_.end(), [&](const HyperTreeView& tree) {
-    std::uint8_t* const states = states_.data() + tree.firstState;
-    for (vtkIdType v = tree.vertexCount; v-- > 0;)
+  std::uint8_t& state = states_[tree.firstState + vertex];
+  if (tree.isLeaf(vertex))
+  {
+    return state = belowMasked ? 0 : state;
+  }
+  checkDepth(level); // bounds the recursion
+  const bool masked = belowMasked || !state;
+  std::array<std::uint8_t, 8> children;
+  const auto propagate = [&](int o) {
+    children[o] = propagateStates(tree, tree.child(vertex, o), level + 1, masked);
+  };
+  constexpr unsigned int parallelLevels = 4;
+  constexpr vtkIdType parallelVertices = 1 << 14;
+  if (level < parallelLevels && tree.vertexCount > parallelVertices)
+  {
+    tbb::parallel_for(0, 8, propagate);
+  }
+  else
+  {
+    for (int o = 0; o < 8; ++o)
     {
-      if (tree.isLeaf(v))
-      {
-        continue;
-      }
-      const std::uint8_t* const children = states + tree.child(v, 0);
-      std::uint8_t any = 0;
-      std::uint8_t allGhosts = ghostBit;
-      for (int o = 0; o < 8; ++o)
-      {
-        any |= children[o] & existsBit;
-        allGhosts &= children[o] & existsBit ? children[o] : ghostBit;
-      }
-      states[v] = any ? existsBit | allGhosts : 0;
+      propagate(o);
     }
-  });
+  }
+  std::uint8_t any = 0;
+  std::uint8_t allGhosts = ghostBit;
+  for (const std::uint8_t child : children)
+  {
+    any |= child & existsBit;
+    allGhosts &= child & existsBit ? child : ghostBit;
+  }
+  return state = any ? existsBit | allGhosts : 0;
 }
 
 ContentDigest HyperTreeGridTopology::octreeDigest() const
@@ -302,14 +343,19 @@ ContentDigest HyperTreeGridTopology::octreeDigest() const
     }
   }
   digest.add(static_cast<std::uint64_t>(depthLimit_));
-  for (const HyperTreeView& tree : trees_)
-  {
+  std::vector<ContentDigest> ofTrees(trees_.size());
+  tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
+    const HyperTreeView& tree = trees_[t];
     for (const Coord c : tree.root)
     {
-      digest.add(static_cast<std::uint64_t>(c));
+      ofTrees[t].add(static_cast<std::uint64_t>(c));
     }
-    digest.add(static_cast<std::uint64_t>(tree.vertexCount));
-    digest.addBytes(tree.elderChild, tree.elderChildCount * sizeof(unsigned int));
+    ofTrees[t].add(static_cast<std::uint64_t>(tree.vertexCount));
+    ofTrees[t].addBytes(tree.elderChild, tree.elderChildCount * sizeof(unsigned int));
+  });
+  for (const ContentDigest& tree : ofTrees)
+  {
+    digest.add(tree);
   }
   digest.addBytes(states_.data(), states_.size());
   return digest;

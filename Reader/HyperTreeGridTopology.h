@@ -86,6 +86,8 @@ public:
     return hasGhosts_ && (states_[tree.firstState + vertex] & ghostBit);
   }
   bool hasCells() const noexcept;
+  /// Throws Error when coarse vertices of the level have children too deep for the root grid.
+  void checkDepth(unsigned int level) const;
 
   /// Leaves out the leaves for which isFinite(global index), called from several threads, is false. False:
   /// none.
@@ -109,8 +111,9 @@ private:
   void measureGlobalIndices();
   void markMaskAndGhosts(vtkHyperTreeGrid& grid);
   void allocateStates();
-  void propagateDown();
-  void propagateUp();
+  void propagateStates();
+  std::uint8_t propagateStates(
+    const HyperTreeView& tree, vtkIdType vertex, unsigned int level, bool belowMasked);
 
   RootGrid rootGrid_;
   std::vector<HyperTreeView> trees_;
@@ -158,7 +161,7 @@ bool HyperTreeGridTopology::excludeNonFinite(const IsFinite& isFinite)
       states_[tree.firstState + v] = 0;
     }
   });
-  propagateUp();
+  propagateStates();
   return true;
 }
 

@@ -81,12 +81,13 @@ private:
 
 void Field::computeNodeRanges()
 {
-  ranges_.resize(octree_->innerCount());
+  std::vector<Range> exact(octree_->innerCount());
   if (octree_->root().isInner())
   {
     TreePath path(*octree_);
-    RangeBuilder(*this, ranges_).visit(path);
+    RangeBuilder(*this, exact).visit(path);
   }
+  encodeNodeRanges(std::move(exact));
 }
 
 } // namespace treeamr

@@ -2,18 +2,13 @@
 #pragma once
 
 #include "Octree/Octree.h"
+#include "Octree/RangeCode.h"
 
 #include <memory>
 #include <vector>
 
 namespace treeamr
 {
-
-struct Range
-{
-  float min;
-  float max;
-};
 
 class Field
 {
@@ -34,9 +29,13 @@ public:
 
   /// Hull of the leaves' values, which also bounds the reconstructed field; {0, 0} without cells.
   Range range() const noexcept { return range_; }
-  /// Range of the GTI reconstruction inside the inner node. Needs computeRanges().
-  Range nodeRange(NodeRef inner) const noexcept { return ranges_[inner.index()]; }
-  bool hasNodeRanges() const noexcept { return !ranges_.empty() || octree_->innerCount() == 0; }
+  /// A range around the GTI reconstruction inside the inner node; `parent` is the node range of its parent,
+  /// of the octree's root range(). Needs computeNodeRanges().
+  Range nodeRange(NodeRef inner, Range parent) const noexcept
+  {
+    return rangeCodes_[inner.index()].decode(parent);
+  }
+  bool hasNodeRanges() const noexcept { return !rangeCodes_.empty() || octree_->innerCount() == 0; }
   /// Ranges are for skipping: who only asks for values leaves them out. Defined in
   /// Interpolation/NodeRanges.cpp.
   void computeNodeRanges();
@@ -45,10 +44,15 @@ public:
   std::size_t byteSize() const noexcept;
 
 private:
+  void checkAndMeasureValues();
+  void computeMeans();
+  /// exact[n]: of the inner node n, within those of its ancestors and range().
+  void encodeNodeRanges(std::vector<Range> exact);
+
   std::shared_ptr<const Octree> octree_;
   std::vector<float> values_;
   std::vector<float> means_;
-  std::vector<Range> ranges_;
+  std::vector<RangeCode> rangeCodes_;
   Range range_{ 0.f, 0.f };
 };
 

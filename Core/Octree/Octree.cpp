@@ -5,7 +5,7 @@ namespace treeamr
 
 std::size_t Octree::byteSize() const noexcept
 {
-  return nodes_.capacity() * sizeof(InnerNode) + bases_.capacity() * sizeof(Base) + ghost_.capacity() / 8;
+  return table_.byteSize() + (firstInner_.capacity() + ghosts_.capacity()) * sizeof(std::uint64_t);
 }
 
 } // namespace treeamr

@@ -1,43 +1,22 @@
+// From a list of cells: keys, a sort, and the nodes between each cell's key and the one before.
 #include "Octree/OctreeBuilder.h"
 
+#include "Error.h"
+#include "Octree/MortonKey.h"
+#include "Octree/OctreeAssembler.h"
+#include "Octree/RadixSort.h"
+
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <concepts>
+#include <memory>
+#include <optional>
+#include <string>
 
 namespace treeamr
 {
-
-void OctreeAssembler::append(const std::vector<Masks>& masks)
-{
-  Octree& tree = *octree_;
-  tree.nodes_.reserve(tree.nodes_.size() + masks.size());
-  for (const Masks& m : masks)
-  {
-    if ((tree.nodes_.size() & ((std::uint64_t(1) << Octree::blockBits) - 1)) == 0)
-    {
-      tree.bases_.push_back({ nextInner_, nextLeaf_ });
-    }
-    const Octree::Base& base = tree.bases_.back();
-    tree.nodes_.push_back({ m.exists, m.leaf, static_cast<std::uint16_t>(nextInner_ - base.inner),
-      static_cast<std::uint16_t>(nextLeaf_ - base.leaf) });
-    const int leaves = std::popcount(static_cast<unsigned>(m.leaf));
-    nextLeaf_ += leaves;
-    nextInner_ += std::popcount(static_cast<unsigned>(m.exists)) - leaves;
-  }
-  tree.leafCount_ = nextLeaf_;
-}
-
-void OctreeAssembler::setLeafDepth(int depth) noexcept
-{
-  octree_->leafLevels_ = depth - octree_->grid_.paddingDepth();
-}
-
-std::shared_ptr<const Octree> OctreeAssembler::finish()
-{
-  octree_->nodes_.shrink_to_fit();
-  octree_->bases_.shrink_to_fit();
-  return octree_;
-}
 
 namespace
 {
@@ -48,134 +27,228 @@ std::string name(const CellId& c)
     std::to_string(c.index[2]) + ") of level " + std::to_string(c.level);
 }
 
-/// Whether the first cell's corner comes before the second's in Morton order (x fastest), without forming
-/// keys, which would need three times the coordinates' bits. Equal corners: the coarser cell first.
-bool mortonLess(const CellId& a, const CellId& b)
+void checkCell(const RootGrid& grid, const CellId& cell)
 {
-  const int level = std::max(a.level, b.level);
-  std::uint64_t deciding = 0;
-  bool less = a.level < b.level;
-  for (int axis = 0; axis < 3; ++axis)
+  if (cell.level < 0 || cell.level > grid.maxLevel())
   {
-    const auto p = static_cast<std::uint64_t>(a.index[axis]) << (level - a.level);
-    const auto q = static_cast<std::uint64_t>(b.index[axis]) << (level - b.level);
-    const std::uint64_t difference = p ^ q;
-    // The axis with the highest differing bit decides; of equals, the later (slower) axis.
-    if (difference != 0 && std::bit_width(difference) >= std::bit_width(deciding))
-    {
-      deciding = difference;
-      less = p < q;
-    }
-  }
-  return less;
-}
-
-bool contains(const CellId& outer, const CellId& inner)
-{
-  if (inner.level < outer.level)
-  {
-    return false;
+    throw Error("octree: " + name(cell) + ", allowed are levels 0 to " + std::to_string(grid.maxLevel()));
   }
   for (int a = 0; a < 3; ++a)
   {
-    if (inner.index[a] >> (inner.level - outer.level) != outer.index[a])
+    const Coord end = Coord(grid.roots()[a]) << cell.level;
+    if (cell.index[a] < 0 || cell.index[a] >= end)
     {
-      return false;
+      throw Error("octree: " + name(cell) + " lies outside the root grid, which ends at " +
+        std::to_string(end) + " along " + "xyz"[a]);
     }
   }
-  return true;
 }
 
-/// Sorted cells as a tree: a node is the range of the cells below it.
+/// [0, count) in equal parts, short enough for many threads, long enough for what is kept per part.
+class Parts
+{
+public:
+  explicit Parts(std::size_t count)
+    : count_(count)
+    , length_(std::max(std::size_t(1) << 14, count / 1024 + 1))
+  {
+  }
+  std::size_t size() const { return (count_ + length_ - 1) / length_; }
+  std::size_t begin(std::size_t part) const { return part * length_; }
+  std::size_t end(std::size_t part) const { return std::min(count_, begin(part) + length_); }
+
+  /// body(part) for each, in parallel.
+  template <class Body>
+  void forEach(const Body& body) const
+  {
+    tbb::parallel_for(std::size_t(0), size(), body);
+  }
+
+private:
+  std::size_t count_;
+  std::size_t length_;
+};
+
+/// Throws for the first cell that is not allowed; returns the deepest level.
+int checkCells(const RootGrid& grid, const std::vector<LeafCell>& cells)
+{
+  const Parts parts(cells.size());
+  std::vector<int> deepest(parts.size(), 0);
+  parts.forEach([&](std::size_t p) {
+    for (std::size_t i = parts.begin(p); i < parts.end(p); ++i)
+    {
+      checkCell(grid, cells[i].cell);
+      deepest[p] = std::max(deepest[p], cells[i].cell.level);
+    }
+  });
+  return cells.empty() ? 0 : *std::max_element(deepest.begin(), deepest.end());
+}
+
+template <class Key>
+struct KeyedValue
+{
+  Key key;
+  float value;
+};
+
+template <class Record>
+void sortByKey(std::unique_ptr<Record[]>& records, std::size_t count)
+{
+  if constexpr (std::unsigned_integral<decltype(Record::key)>)
+  {
+    const auto scratch = std::make_unique_for_overwrite<Record[]>(count);
+    RadixSort<Record>::sort(records.get(), scratch.get(), count);
+  }
+  else
+  {
+    tbb::parallel_sort(
+      records.get(), records.get() + count, [](const Record& a, const Record& b) { return a.key < b.key; });
+  }
+}
+
+/// Cells sorted by key as a sequence of nodes: what starts with cell i are the nodes below the deepest one
+/// around it and cell i - 1.
+template <class Keys>
 class SortedCells
 {
 public:
-  struct Handle
-  {
-    std::uint64_t begin;
-    std::uint64_t end;
-    int level;
-  };
+  using Record = KeyedValue<typename Keys::Key>;
 
-  explicit SortedCells(const std::vector<LeafCell>& cells)
-    : cells_(cells)
+  SortedCells(const RootGrid& grid, std::vector<LeafCell> cells, int deepestLevel)
+    : padding_(grid.paddingDepth())
+    , keys_(padding_ + deepestLevel)
+    , count_(cells.size())
+    , records_(std::make_unique_for_overwrite<Record[]>(cells.size()))
   {
-  }
-
-  bool root(const std::array<Coord, 3>& index, Handle& handle) const
-  {
-    const CellId root{ index, 0 };
-    const auto begin = std::lower_bound(cells_.begin(), cells_.end(), root,
-      [](const LeafCell& c, const CellId& r) { return mortonLess(c.cell, r); });
-    const auto end =
-      std::partition_point(begin, cells_.end(), [&](const LeafCell& c) { return contains(root, c.cell); });
-    handle = { static_cast<std::uint64_t>(begin - cells_.begin()),
-      static_cast<std::uint64_t>(end - cells_.begin()), 0 };
-    return begin != end;
-  }
-  NodeKind kind(const Handle& h) const
-  {
-    if (h.begin == h.end)
+    const Parts parts(count_);
+    std::vector<std::uint8_t> sorted(parts.size());
+    parts.forEach([&](std::size_t p) {
+      const auto keyOf = [&](const LeafCell& c) { return keys_.key(c.cell.index, padding_ + c.cell.level); };
+      auto before = keyOf(cells[parts.begin(p) > 0 ? parts.begin(p) - 1 : 0]);
+      bool ascending = true;
+      for (std::size_t i = parts.begin(p); i < parts.end(p); ++i)
+      {
+        records_[i] = { keyOf(cells[i]), cells[i].value };
+        ascending = ascending && before <= records_[i].key;
+        before = records_[i].key;
+      }
+      sorted[p] = ascending;
+    });
+    std::vector<LeafCell>().swap(cells);
+    if (std::find(sorted.begin(), sorted.end(), 0) != sorted.end())
     {
-      return NodeKind::None;
+      sortByKey(records_, count_);
     }
-    return cells_[h.begin].cell.level == h.level ? NodeKind::Leaf : NodeKind::Inner;
   }
-  Handle child(const Handle& h, int octant) const
+
+  OctreeAndValues build(RootGrid grid) const
   {
-    const auto octantOf = [&](const LeafCell& c) {
-      const int up = c.cell.level - h.level - 1;
-      return static_cast<int>(
-        (c.cell.index[0] >> up & 1) | (c.cell.index[1] >> up & 1) << 1 | (c.cell.index[2] >> up & 1) << 2);
-    };
-    const auto begin = cells_.begin() + h.begin;
-    const auto end = cells_.begin() + h.end;
-    const auto first =
-      std::partition_point(begin, end, [&](const LeafCell& c) { return octantOf(c) < octant; });
-    const auto last =
-      std::partition_point(first, end, [&](const LeafCell& c) { return octantOf(c) == octant; });
-    return { static_cast<std::uint64_t>(first - cells_.begin()),
-      static_cast<std::uint64_t>(last - cells_.begin()), h.level + 1 };
+    const Parts parts(count_);
+    std::vector<NodeCounts> counts(parts.size());
+    std::vector<std::size_t> overlap(parts.size(), none);
+    parts.forEach([&](std::size_t p) {
+      for (std::size_t i = parts.begin(p); i < parts.end(p); ++i)
+      {
+        const int depth = keys_.depth(records_[i].key);
+        const int first = firstDepth(i);
+        // Inner nodes from `first` on and then the leaf.
+        for (int d = first; d < depth; ++d)
+        {
+          counts[p].startInner(d, 0);
+        }
+        counts[p].startLeaf(depth, 0);
+        if (i > 0 && overlap[p] == none && first > std::min(depth, keys_.depth(records_[i - 1].key)))
+        {
+          overlap[p] = i;
+        }
+      }
+    });
+    for (const std::size_t i : overlap)
+    {
+      if (i != none)
+      {
+        throw Error("octree: " + name(cellOf(i)) + " overlaps " + name(cellOf(i - 1)));
+      }
+    }
+
+    OctreeAssembler assembler(std::move(grid), std::move(counts), false);
+    OctreeAndValues result;
+    result.values.resize(count_);
+    parts.forEach([&](std::size_t p) {
+      OctreeAssembler::Writer writer(assembler, p);
+      for (std::size_t i = parts.begin(p); i < parts.end(p); ++i)
+      {
+        const auto key = records_[i].key;
+        const int depth = keys_.depth(key);
+        for (int d = firstDepth(i); d < depth; ++d)
+        {
+          writer.startInner(d, octant(key, d));
+        }
+        result.values[writer.startLeaf(depth, octant(key, depth))] = records_[i].value;
+      }
+    });
+    result.octree = assembler.finish();
+    return result;
   }
-  float value(const Handle& h) const { return cells_[h.begin].value; }
-  static constexpr bool ghosts() { return false; }
-  static constexpr bool isGhost(const Handle&) { return false; }
 
 private:
-  const std::vector<LeafCell>& cells_;
+  static constexpr std::size_t none = ~std::size_t(0);
+
+  /// Depth of the first node that starts with cell i.
+  int firstDepth(std::size_t i) const
+  {
+    return i == 0 ? 0 : keys_.commonDepth(records_[i - 1].key, records_[i].key) + 1;
+  }
+  int octant(const typename Keys::Key& key, int depth) const
+  {
+    return depth == 0 ? 0 : keys_.octant(key, depth);
+  }
+  CellId cellOf(std::size_t i) const
+  {
+    const int depth = keys_.depth(records_[i].key);
+    CellId cell{ {}, depth - padding_ };
+    for (int d = 1; d <= depth; ++d)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        cell.index[a] = 2 * cell.index[a] + (octant(records_[i].key, d) >> a & 1);
+      }
+    }
+    return cell;
+  }
+
+  int padding_;
+  Keys keys_;
+  std::size_t count_;
+  std::unique_ptr<Record[]> records_;
 };
+
+template <class Keys>
+std::optional<OctreeAndValues> buildWith(RootGrid& grid, std::vector<LeafCell>& cells, int deepestLevel)
+{
+  if (grid.paddingDepth() + deepestLevel > Keys::maxDepth)
+  {
+    return {};
+  }
+  const SortedCells<Keys> sorted(grid, std::move(cells), deepestLevel);
+  return sorted.build(std::move(grid));
+}
 
 } // namespace
 
 OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells)
 {
-  for (const LeafCell& c : cells)
+  const int deepestLevel = checkCells(grid, cells);
+  auto built = buildWith<MortonKeys<std::uint32_t>>(grid, cells, deepestLevel);
+  if (!built)
   {
-    if (c.cell.level < 0 || c.cell.level > grid.maxLevel())
-    {
-      throw Error("octree: " + name(c.cell) + ", allowed are levels 0 to " + std::to_string(grid.maxLevel()));
-    }
-    for (int a = 0; a < 3; ++a)
-    {
-      const Coord end = Coord(grid.roots()[a]) << c.cell.level;
-      if (c.cell.index[a] < 0 || c.cell.index[a] >= end)
-      {
-        throw Error("octree: " + name(c.cell) + " lies outside the root grid, which ends at " +
-          std::to_string(end) + " along " + "xyz"[a]);
-      }
-    }
+    built = buildWith<MortonKeys<std::uint64_t>>(grid, cells, deepestLevel);
   }
-  tbb::parallel_sort(cells.begin(), cells.end(),
-    [](const LeafCell& a, const LeafCell& b) { return mortonLess(a.cell, b.cell); });
-  for (std::size_t i = 1; i < cells.size(); ++i)
+  if (!built)
   {
-    // Whatever lies inside a cell follows it directly in Morton order.
-    if (contains(cells[i - 1].cell, cells[i].cell))
-    {
-      throw Error("octree: " + name(cells[i].cell) + " overlaps " + name(cells[i - 1].cell));
-    }
+    built = buildWith<MortonKeys<WideKey>>(grid, cells, deepestLevel);
   }
-  return buildOctree(std::move(grid), SortedCells(cells));
+  return std::move(*built);
 }
 
 } // namespace treeamr

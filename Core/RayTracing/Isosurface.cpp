@@ -46,7 +46,8 @@ public:
   {
   }
 
-  void visit(TreePath& path, VertexMemo& memo, std::vector<ActiveOctant>& found) const
+  /// parent: the range of the node's parent, of the root the field's.
+  void visit(TreePath& path, VertexMemo& memo, Range parent, std::vector<ActiveOctant>& found) const
   {
     const NodeRef node = path.node();
     if (node.isLeaf())
@@ -54,17 +55,17 @@ public:
       visitLeaf(path, memo, found);
       return;
     }
-    const Range range = field_.nodeRange(node);
+    const Range range = field_.nodeRange(node, parent);
     if (!(range.min <= isovalue_ && isovalue_ <= range.max))
     {
       return;
     }
-    const auto visitChild = [this](
+    const auto visitChild = [this, range](
                               TreePath& at, VertexMemo& known, int octant, std::vector<ActiveOctant>& into) {
       if (!at.octree().child(at.node(), octant).isNone())
       {
         at.descend(octant);
-        visit(at, known, into);
+        visit(at, known, range, into);
         at.ascend();
       }
     };
@@ -334,7 +335,7 @@ Isosurface::Isosurface(std::shared_ptr<const Field> field, float isovalue)
   if (!path.node().isNone())
   {
     VertexMemo memo;
-    Extraction(*impl_->field, isovalue).visit(path, memo, impl_->octants);
+    Extraction(*impl_->field, isovalue).visit(path, memo, impl_->field->range(), impl_->octants);
   }
   impl_->octants.shrink_to_fit();
   if (impl_->octants.size() >= RTC_INVALID_GEOMETRY_ID)

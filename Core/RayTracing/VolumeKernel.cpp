@@ -162,7 +162,8 @@ public:
   {
     GroupMask active = makeRays(x0, y0);
     const NodeRef root = octree_.root();
-    if (active != 0 && !root.isNone() && isVisible(root))
+    Range range = scene_.field.range();
+    if (active != 0 && !root.isNone() && isVisible(root, range))
     {
       path_.reset();
       depth_ = 0;
@@ -174,7 +175,7 @@ public:
         box.min[a] = toKernel(a, bounds.min[a]);
         box.max[a] = toKernel(a, bounds.max[a]);
       }
-      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active);
+      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
     }
     writePixels(x0, y0);
   }
@@ -374,10 +375,15 @@ private:
     }
   }
 
-  bool isVisible(NodeRef node) const noexcept
+  /// range: the parent's, and the node's on return when empty nodes are skipped.
+  bool isVisible(NodeRef node, Range& range) const noexcept
   {
-    return !node.isInner() || !scene_.settings.skipEmpty ||
-      scene_.transferFunction.isVisible(scene_.field.nodeRange(node));
+    if (!node.isInner() || !scene_.settings.skipEmpty)
+    {
+      return true;
+    }
+    range = scene_.field.nodeRange(node, range);
+    return scene_.transferFunction.isVisible(range);
   }
 
   HWY_INLINE Floats planeT(int axis, int ray, float plane) const
@@ -443,7 +449,7 @@ private:
     }
   }
 
-  void visit(std::uint64_t node, const Box& box, GroupMask active)
+  void visit(std::uint64_t node, const Box& box, GroupMask active, Range range)
   {
     ++statistics_.nodes;
     const Octree::Children children = octree_.children(node);
@@ -453,11 +459,13 @@ private:
       return;
     }
     unsigned wanted = 0; // mask of children
+    std::array<Range, 8> ranges;
     for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
       const NodeRef child(NodeKind::Inner, depth_ + 1, children.innerIndex(octant));
-      wanted |= static_cast<unsigned>(isVisible(child)) << octant;
+      ranges[octant] = range;
+      wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
     }
     for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
     {
@@ -517,7 +525,7 @@ private:
         index_[a] = 2 * index_[a] + (octant >> a & 1);
       }
       ++depth_;
-      visit(children.innerIndex(octant), childBox, crossing[octant]);
+      visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
       --depth_;
       index_ = index;
       if (path_.depth() > depth_)

@@ -113,7 +113,7 @@ public:
     path_.reset();
     if (!path_.node().isNone())
     {
-      visit(active);
+      visit(active, field_.range());
     }
     for (int y = y0, r = 0; y < y1; ++y)
     {
@@ -130,12 +130,18 @@ public:
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
-  void visit(RayMask active) noexcept
+  /// parent: the parent's range, of use when empty nodes are skipped.
+  void visit(RayMask active, Range parent) noexcept
   {
     const NodeRef node = path_.node();
-    if (node.isInner() && settings_.skipEmpty && !transferFunction_.isVisible(field_.nodeRange(node)))
+    Range range = parent;
+    if (node.isInner() && settings_.skipEmpty)
     {
-      return;
+      range = field_.nodeRange(node, parent);
+      if (!transferFunction_.isVisible(range))
+      {
+        return;
+      }
     }
     const Bounds box = field_.octree().grid().nodeBounds(path_.index(), path_.depth());
     RayMask crossing = 0;
@@ -177,7 +183,7 @@ private:
       if (!field_.octree().child(node, octant).isNone())
       {
         path_.descend(octant);
-        visit(crossing);
+        visit(crossing, range);
         path_.ascend();
       }
     }

@@ -135,6 +135,47 @@ INSTANTIATE_TEST_SUITE_P(Random, ConvertedGrid,
         .depthLimit = 3 } }),
   [](const auto& info) { return info.param.name; });
 
+TEST(Converter, TakesOneLargeTree)
+{
+  // Large enough to be cut up for several threads everywhere.
+  const auto grid = makeGrid({ .seed = 3,
+    .roots = { 1, 1, 1 },
+    .levels = 6,
+    .refine = 0.9,
+    .masked = 0.01,
+    .ghosts = 0.02,
+    .notFinite = 0.02,
+    .explicitIndices = true });
+  ASSERT_GT(countVertices(grid), 100000);
+  EXPECT_GT(expectSameLeaves(grid, "scalar"), 50000u);
+  EXPECT_GT(expectSameLeaves(grid, "vector", 2), 50000u);
+}
+
+TEST(Converter, TakesAFewTreesOfAVastLattice)
+{
+  vtkNew<vtkUniformHyperTreeGrid> grid;
+  grid->SetBranchFactor(2);
+  grid->SetDimensions(301, 301, 301);
+  grid->SetGridScale(1., 1., 1.);
+  vtkNew<vtkDoubleArray> scalar;
+  scalar->SetName("scalar");
+  for (vtkIdType i = 0; i < 200; ++i)
+  {
+    vtkHyperTree* tree = grid->GetTree(i * 7919 * 17 % (300 * 300 * 300), true);
+    tree->SetGlobalIndexStart(scalar->GetNumberOfValues());
+    if (i % 3 == 0)
+    {
+      tree->SubdivideLeaf(0, 0);
+    }
+    for (vtkIdType v = 0; v < tree->GetNumberOfVertices(); ++v)
+    {
+      scalar->InsertNextValue(static_cast<double>(scalar->GetNumberOfValues()));
+    }
+  }
+  grid->GetCellData()->AddArray(scalar);
+  EXPECT_EQ(expectSameLeaves(grid, "scalar"), 133u + 67 * 8);
+}
+
 TEST(Converter, TakesVtksRandomGridsWithMasks)
 {
   vtkNew<vtkRandomHyperTreeGridSource> source;
@@ -430,5 +471,9 @@ TEST(ConverterError, NamesTreesTooDeep)
   grid->GetCellData()->AddArray(scalar);
   expectError(grid, "deeper than level 60");
   grid->SetDepthLimiter(3); // the mean below goes as deep
+  expectError(grid, "deeper than level 60");
+  vtkNew<vtkBitArray> mask; // and so do marks
+  mask->InsertNextValue(1);
+  grid->SetMask(mask);
   expectError(grid, "deeper than level 60");
 }

@@ -1,0 +1,29 @@
+// What a conversion holds beside its result.
+#include "HyperTreeGridConverter.h"
+
+#include "Support/AllocationCounter.h"
+#include "Support/HyperTreeGrids.h"
+
+#include "vtkHyperTreeGrid.h"
+
+#include <gtest/gtest.h>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+TEST(ConversionMemory, NoListOfCellsBesideTheField)
+{
+  const auto grid = makeUniformlyRefinedGrid(6);
+  std::shared_ptr<const Field> first;
+  const std::size_t peak = peakBytes([&] { first = acquireField(grid, { "scalar" }, false); });
+  const double cells = 262144.;
+  ASSERT_EQ(static_cast<double>(first->octree().leafCount()), cells);
+  const std::size_t result = first->octree().byteSize() + first->byteSize();
+  const std::size_t stretches = std::size_t(512) * 4096; // what is counted for each
+  EXPECT_LE(static_cast<double>(peak), static_cast<double>(result + stretches) + 0.6 * cells);
+
+  vtkHyperTreeGrid* const sameGrid = grid;
+  std::shared_ptr<const Field> ranged;
+  const std::size_t more = peakBytes([&] { ranged = acquireField(sameGrid, { "scalar" }, true); });
+  EXPECT_LE(static_cast<double>(more), static_cast<double>(ranged->byteSize()) + 1.5 * cells);
+}
