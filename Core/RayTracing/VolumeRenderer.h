@@ -28,6 +28,8 @@ struct VolumeSettings
   static constexpr double maxSamplesPerCell = 1e6;
   /// Leave out nodes whose range is transparent. Never changes a pixel; off only to test that.
   bool skipEmpty = true;
+  /// Nodes whose children are smaller than this many pixels may be drawn from their means; 0 is off.
+  double levelOfDetailPixels = 0.;
 
   /// Budget of a VertexCache that suits most scenes.
   static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
