@@ -34,6 +34,15 @@ public:
   void SetSamplesPerCell(double samples);
   /// Memory in MiB for values kept from frame to frame.
   void SetVertexCacheSize(int size);
+  ///@{
+  /// Fewer rays while the camera moves; see vtkTreeAMRVolumeMapper.
+  void SetAutoAdjustSampleDistances(bool adjust);
+  void SetImageSampleDistance(double distance);
+  void SetMinimumImageSampleDistance(double distance);
+  void SetMaximumImageSampleDistance(double distance);
+  void SetInteractiveRenderTime(double seconds);
+  void SetLevelOfDetail(double pixels);
+  ///@}
 
 protected:
   vtkTreeAMRVolumeRepresentation();
