@@ -285,7 +285,7 @@ void vtkTreeAMRVolumeMapper::UpdateVertexCache()
   {
     internals.Kept.reset(); // before the new one is allocated
     internals.Kept = std::make_unique<treeamr::VertexCache>(
-      internals.Field->octree().leafCount(), static_cast<std::size_t>(this->VertexCacheSize) << 20);
+      internals.Field->octree(), static_cast<std::size_t>(this->VertexCacheSize) << 20);
     internals.KeptSize = this->VertexCacheSize;
   }
 }

@@ -1,7 +1,8 @@
 // Ranges of the reconstructed field per inner node: the hull of the vertex values of the leaves below.
 // Exact, unlike the paper's ranges of cell values: an octant's vertices also use the cells around it.
-#include "Interpolation/VertexValues.h"
+#include "Interpolation/BlockValues.h"
 
+#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
@@ -19,49 +20,47 @@ public:
     : field_(field)
     , ranges_(ranges)
     , serialDepth_(field.octree().grid().paddingDepth() + field.octree().leafLevels() - 3)
+    , evaluators_([&field] { return BlockEvaluator(field); })
   {
   }
 
-  Range visit(TreePath& path, VertexMemo& memo) const
+  Range visit(TreePath& path) { return visit(path, evaluators_.local()); }
+
+private:
+  Range visit(TreePath& path, BlockEvaluator& evaluator)
   {
     const NodeRef node = path.node();
-    if (node.isLeaf())
-    {
-      return hull(vertexValues<VertexRule::GTI>(path, field_, memo));
-    }
+    const Octree::Children children = path.octree().children(node.index());
     std::array<Range, 8> parts;
-    const auto visitChild = [&](TreePath& at, VertexMemo& known, int octant) {
-      at.descend(octant);
-      parts[octant] = visit(at, known);
-      at.ascend();
-    };
     // Subtrees of up to 512 leaves are one task's work; a path is too large to copy for less.
     if (path.depth() >= serialDepth_)
     {
       for (int o = 0; o < 8; ++o)
       {
-        if (!path.octree().child(node, o).isNone())
+        if (children.inner() >> o & 1)
         {
-          visitChild(path, memo, o);
+          path.descend(o);
+          parts[o] = visit(path, evaluator);
+          path.ascend();
         }
       }
     }
     else
     {
       tbb::parallel_for(0, 8, [&](int o) {
-        if (!path.octree().child(node, o).isNone())
+        if (children.inner() >> o & 1)
         {
           TreePath own(path);
-          VertexMemo known;
-          visitChild(own, known, o);
+          own.descend(o);
+          parts[o] = visit(own);
         }
       });
     }
-    bool first = true;
-    Range all{};
+    bool first = children.leaf == 0;
+    Range all = first ? Range{} : evaluator.hull(path);
     for (int o = 0; o < 8; ++o)
     {
-      if (!path.octree().child(node, o).isNone())
+      if (children.inner() >> o & 1)
       {
         all = first ? parts[o] : Range{ std::min(all.min, parts[o].min), std::max(all.max, parts[o].max) };
         first = false;
@@ -71,10 +70,11 @@ public:
     return all;
   }
 
-private:
   const Field& field_;
   std::vector<Range>& ranges_;
   int serialDepth_;
+  // Whose kept values name their nodes: a thread that waits in one subtree may work in another.
+  tbb::enumerable_thread_specific<BlockEvaluator> evaluators_;
 };
 
 } // namespace
@@ -85,8 +85,7 @@ void Field::computeNodeRanges()
   if (octree_->root().isInner())
   {
     TreePath path(*octree_);
-    VertexMemo memo;
-    RangeBuilder(*this, ranges_).visit(path, memo);
+    RangeBuilder(*this, ranges_).visit(path);
   }
 }
 

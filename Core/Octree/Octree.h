@@ -51,6 +51,16 @@ static_assert(sizeof(NodeRef) == 8);
 
 class Octree
 {
+  // std::popcount is a library call on the x86-64 baseline.
+  static constexpr std::array<std::uint8_t, 256> bitCount = [] {
+    std::array<std::uint8_t, 256> table{};
+    for (unsigned i = 0; i < table.size(); ++i)
+    {
+      table[i] = static_cast<std::uint8_t>(std::popcount(i));
+    }
+    return table;
+  }();
+
 public:
   static constexpr int maxDepth = 61;
 
@@ -62,26 +72,43 @@ public:
   /// None for an octree without cells.
   NodeRef root() const noexcept { return root_; }
 
+  /// An inner node's children: of either kind, they follow each other in the order of their octants.
+  struct Children
+  {
+    unsigned exists; // masks of octants
+    unsigned leaf;   // subset of exists
+    std::uint64_t firstInner;
+    std::uint64_t firstLeaf;
+
+    unsigned inner() const noexcept { return exists & ~leaf; }
+    /// Of a child that exists and is of this kind.
+    std::uint64_t innerIndex(int octant) const noexcept
+    {
+      return firstInner + bitCount[inner() & ((1u << octant) - 1)];
+    }
+    std::uint64_t leafIndex(int octant) const noexcept
+    {
+      return firstLeaf + bitCount[leaf & ((1u << octant) - 1)];
+    }
+  };
+  Children children(std::uint64_t inner) const noexcept
+  {
+    const InnerNode& node = nodes_[inner];
+    const Base& base = bases_[inner >> blockBits];
+    return { node.exists, node.leaf, base.inner + node.innerDelta, base.leaf + node.leafDelta };
+  }
   /// Octant o is at x = o & 1, y = o >> 1 & 1, z = o >> 2.
   NodeRef child(NodeRef parent, int octant) const noexcept
   {
     assert(parent.isInner());
-    const std::uint64_t n = parent.index();
-    const InnerNode& node = nodes_[n];
+    const Children c = children(parent.index());
     const unsigned bit = 1u << octant;
-    if (!(node.exists & bit))
+    if (!(c.exists & bit))
     {
       return {};
     }
-    const Base& base = bases_[n >> blockBits];
-    const unsigned before = node.exists & (bit - 1);
-    if (node.leaf & bit)
-    {
-      return { NodeKind::Leaf, parent.depth() + 1,
-        base.leaf + node.leafDelta + bitCount[before & node.leaf] };
-    }
-    return { NodeKind::Inner, parent.depth() + 1,
-      base.inner + node.innerDelta + bitCount[before & ~static_cast<unsigned>(node.leaf)] };
+    return c.leaf & bit ? NodeRef(NodeKind::Leaf, parent.depth() + 1, c.leafIndex(octant))
+                        : NodeRef(NodeKind::Inner, parent.depth() + 1, c.innerIndex(octant));
   }
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.
@@ -105,15 +132,6 @@ private:
     std::uint64_t inner; // first inner child of the block's first node
     std::uint64_t leaf;  // first leaf child of the block's first node
   };
-  // std::popcount is a library call on the x86-64 baseline.
-  static constexpr std::array<std::uint8_t, 256> bitCount = [] {
-    std::array<std::uint8_t, 256> table{};
-    for (unsigned i = 0; i < table.size(); ++i)
-    {
-      table[i] = static_cast<std::uint8_t>(std::popcount(i));
-    }
-    return table;
-  }();
   static constexpr int blockBits = 12;
   static_assert((8u << blockBits) <= 65536u, "differences within a block fit 16 bits");
 

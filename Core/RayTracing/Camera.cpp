@@ -133,22 +133,61 @@ Ray Camera::ray(int px, int py) const noexcept
       ray.direction[a] = m[4 * a + 2] / m[15];
     }
   }
+  const double scale = 1. / worldLength(ray.direction);
+  for (double& d : ray.direction)
+  {
+    d *= scale;
+  }
+  return ray;
+}
+
+double Camera::worldLength(const Vec3& direction) const noexcept
+{
   double squared = 0.;
   for (int r = 0; r < 3; ++r)
   {
     double d = 0.;
     for (int c = 0; c < 3; ++c)
     {
-      d += worldFromData_[4 * r + c] * ray.direction[c];
+      d += worldFromData_[4 * r + c] * direction[c];
     }
     squared += d * d;
   }
-  const double scale = 1. / std::sqrt(squared);
-  for (double& d : ray.direction)
+  return std::sqrt(squared);
+}
+
+PixelFan Camera::fan() const noexcept
+{
+  // The homogeneous point of NDC (x, y, z) less the eye times its w: z drops out, because x, y and w of the eye
+  // vanish in clip space.
+  const Matrix4& m = dataFromClip_;
+  const double x0 = 1. / width_ - 1.;
+  const double y0 = 1. / height_ - 1.;
+  const double perX = 2. / width_;
+  const double perY = 2. / height_;
+  PixelFan fan;
+  Vec3 central;
+  for (int a = 0; a < 3; ++a)
   {
-    d *= scale;
+    const double alongX = m[4 * a] - eye_[a] * m[12];
+    const double alongY = m[4 * a + 1] - eye_[a] * m[13];
+    central[a] = m[4 * a + 3] - eye_[a] * m[15];
+    fan.direction[a] = central[a] + x0 * alongX + y0 * alongY;
+    fan.perX[a] = perX * alongX;
+    fan.perY[a] = perY * alongY;
   }
-  return ray;
+  const double scale = forward_ / worldLength(central);
+  for (int a = 0; a < 3; ++a)
+  {
+    fan.direction[a] *= scale;
+    fan.perX[a] *= scale;
+    fan.perY[a] *= scale;
+  }
+  fan.inverseT = scale * (m[15] + x0 * m[12] + y0 * m[13] - m[14]);
+  fan.inverseTPerX = scale * perX * m[12];
+  fan.inverseTPerY = scale * perY * m[13];
+  fan.inverseTPerDepth = scale * 2. * m[14];
+  return fan;
 }
 
 double Camera::tFromDepth(const Ray& ray, double depth) const noexcept

@@ -17,6 +17,19 @@ struct Ray
   Vec3 direction;
 };
 
+/// All rays of a perspective camera: linear in the pixel. A point is eye + t * direction, t not a length.
+struct PixelFan
+{
+  Vec3 direction; // of pixel (0, 0), in data coordinates; of unit world length in the image's middle
+  Vec3 perX;      // its change from pixel to pixel
+  Vec3 perY;
+  // 1 / t at window depth z: inverseT + x * inverseTPerX + y * inverseTPerY + z * inverseTPerDepth.
+  double inverseT;
+  double inverseTPerX;
+  double inverseTPerY;
+  double inverseTPerDepth;
+};
+
 class Camera
 {
 public:
@@ -33,12 +46,16 @@ public:
 
   /// The ray through the centre of a pixel. Its origin is the eye, or a point of the near plane.
   Ray ray(int x, int y) const noexcept;
+  /// Perspective only.
+  PixelFan fan() const noexcept;
+  const Matrix4& worldFromData() const noexcept { return worldFromData_; }
   /// t at a window depth in [0, 1] (0 = near plane) along the ray.
   double tFromDepth(const Ray& ray, double depth) const noexcept;
   /// Window depth of the point at t.
   double depthFromT(const Ray& ray, double t) const noexcept;
 
 private:
+  double worldLength(const Vec3& direction) const noexcept;
   Vec3 unproject(double xNdc, double yNdc, double zNdc) const noexcept;
   Matrix4 clipFromData_;
   Matrix4 dataFromClip_;

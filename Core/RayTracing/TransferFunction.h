@@ -33,12 +33,13 @@ public:
   double scale() const noexcept { return scale_; }
   const std::vector<Entry>& entries() const noexcept { return entries_; }
 
+  /// Of a value in the table, 0 to entries - 1.
+  double position(float value) const noexcept;
   Entry at(float value) const noexcept;
   /// Whether some value of the range has extinction: exact, so that skipping by it never changes a pixel.
   bool isVisible(Range range) const noexcept;
 
 private:
-  double position(float value) const noexcept;
   double min_; // double: values up to 1e38 have differences beyond float
   double scale_;
   std::vector<Entry> entries_;

@@ -7,20 +7,32 @@
 namespace treeamr
 {
 
-VertexCache::VertexCache(std::uint64_t leafCount, std::size_t budgetBytes)
+BlockRecord::BlockRecord(const BlockValues& block) noexcept
 {
-  constexpr std::size_t chunkBytes = chunkRecords * sizeof(VertexRecord);
-  const std::size_t tableBytes = leafCount * sizeof(slots_[0]);
-  if (leafCount == 0 || budgetBytes < tableBytes + chunkBytes)
+  const double width = static_cast<double>(block.range.max) - block.range.min;
+  const double scale = width > 0. ? steps / width : 0.;
+  values.fill(0);
+  for (std::size_t i = 0; i < block.values.size(); ++i)
+  {
+    values[i] =
+      static_cast<std::uint16_t>((static_cast<double>(block.values[i]) - block.range.min) * scale + 0.5);
+  }
+}
+
+VertexCache::VertexCache(const Octree& octree, std::size_t budgetBytes)
+{
+  const std::uint64_t nodes = octree.innerCount();
+  const std::size_t tableBytes = nodes * sizeof(slots_[0]);
+  if (nodes == 0 || budgetBytes < tableBytes + sizeof(Chunk))
   {
     return;
   }
-  // Threads fill chunks of their own, so some stay partly empty: twice the leaves is room enough.
-  const std::size_t wanted = 2 * (leafCount / chunkRecords + 64);
+  // Threads fill chunks of their own, so some stay partly empty: twice the nodes is room enough.
+  const std::size_t wanted = 2 * (nodes / chunkRecords + 64);
   const std::size_t addressable = std::numeric_limits<std::uint32_t>::max() / chunkRecords;
-  const std::size_t chunks = std::min({ (budgetBytes - tableBytes) / chunkBytes, wanted, addressable });
-  slots_ = std::vector<std::atomic<std::uint32_t>>(leafCount);
-  chunks_ = std::vector<std::atomic<VertexRecord*>>(chunks);
+  const std::size_t chunks = std::min({ (budgetBytes - tableBytes) / sizeof(Chunk), wanted, addressable });
+  slots_ = std::vector<std::atomic<std::uint32_t>>(nodes);
+  chunks_ = std::vector<std::atomic<Chunk*>>(chunks);
   storage_.resize(chunks);
 }
 
@@ -40,7 +52,7 @@ std::uint32_t VertexCache::addChunk()
   }
   if (!storage_[chunk])
   {
-    storage_[chunk].reset(new (std::nothrow) VertexRecord[chunkRecords]);
+    storage_[chunk].reset(new (std::nothrow) Chunk);
     if (!storage_[chunk])
     {
       return 0; // memory is short: compute instead of keeping
@@ -51,7 +63,7 @@ std::uint32_t VertexCache::addChunk()
   return chunk == 0 ? 1 : chunk * chunkRecords;
 }
 
-VertexRecord* VertexCache::Writer::reserve()
+const BlockRecord* VertexCache::Writer::keep(std::uint64_t inner, const BlockRecord& record, Range range)
 {
   if (next_ == end_)
   {
@@ -63,12 +75,17 @@ VertexRecord* VertexCache::Writer::reserve()
     }
     end_ = (next_ / chunkRecords + 1) * chunkRecords;
   }
-  return cache_.record(next_);
+  Chunk& chunk = *cache_.chunks_[next_ / chunkRecords].load(std::memory_order_relaxed);
+  BlockRecord* kept = &chunk.records[next_ % chunkRecords];
+  *kept = record;
+  chunk.ranges[next_ % chunkRecords] = range;
+  cache_.slots_[inner].store(next_++, std::memory_order_release);
+  return kept;
 }
 
-void VertexCache::beginFrame()
+void VertexCache::endFrame(std::uint64_t found, std::uint64_t computed)
 {
-  if (overflowed_)
+  if (full_ && found < computed)
   {
     for (auto& slot : slots_)
     {
@@ -77,13 +94,14 @@ void VertexCache::beginFrame()
     usedChunks_ = 0;
     overflowed_ = false;
   }
+  full_ = overflowed_;
 }
 
 std::size_t VertexCache::byteSize() const noexcept
 {
   const std::size_t chunks = std::min<std::size_t>(usedChunks_, chunks_.size());
   return slots_.size() * sizeof(slots_[0]) + chunks_.size() * (sizeof(chunks_[0]) + sizeof(storage_[0])) +
-    chunks * chunkRecords * sizeof(VertexRecord);
+    chunks * sizeof(Chunk);
 }
 
 } // namespace treeamr

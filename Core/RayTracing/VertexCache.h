@@ -1,11 +1,11 @@
-// Vertex values of leaves kept between tiles and frames, within a budget of memory.
+// Vertex values of blocks of leaves kept between tiles and frames, within a budget of memory.
 //
-// Filled by the renderer's threads without locks: a leaf's record is written first and published then. Two
-// threads may compute the same leaf at once; both records are right and one is wasted. Only leaves that some
+// Filled by the renderer's threads without locks: a block's record is written first and published then. Two
+// threads may compute the same block at once; both records are right and one is wasted. Only blocks that some
 // frame has seen take memory.
 #pragma once
 
-#include "Interpolation/VertexValues.h"
+#include "Interpolation/BlockValues.h"
 
 #include <atomic>
 #include <cstdint>
@@ -15,38 +15,43 @@
 namespace treeamr
 {
 
-/// A leaf's 27 vertex values and their hull, padded to whole cache lines.
-struct alignas(64) VertexRecord
+/// A block's 125 vertex values in 65535 steps of their hull: 33 bytes a leaf. A step is 2^-17 of the hull at
+/// most from the value, far below what a picture shows; where the transfer function sees single steps the
+/// renderer computes the values again.
+struct alignas(64) BlockRecord
 {
-  VertexValues values;
-  Range range;
-  std::array<float, 3> padding;
+  static constexpr float steps = 65535.f;
+  std::array<std::uint16_t, 128> values;
 
-  /// The path must end at the leaf.
-  void compute(const TreePath& path, const Field& field, VertexMemo& memo) noexcept
-  {
-    values = vertexValues<VertexRule::GTI>(path, field, memo);
-    range = hull(values);
-    padding = {};
-  }
+  explicit BlockRecord(const BlockValues& block) noexcept;
+  BlockRecord() noexcept = default;
 };
-static_assert(sizeof(VertexRecord) == 128);
+static_assert(sizeof(BlockRecord) == 256);
 
 class VertexCache
 {
 public:
-  /// For the leaves of one field. A budget too small for the table of leaves keeps nothing.
-  VertexCache(std::uint64_t leafCount, std::size_t budgetBytes);
+  /// For the inner nodes of one field's octree. A budget too small for the table of nodes keeps nothing.
+  VertexCache(const Octree& octree, std::size_t budgetBytes);
 
-  /// Null when the leaf is not kept.
-  const VertexRecord* find(std::uint64_t leaf) const noexcept
+  struct Found
+  {
+    const BlockRecord* record; // null when the block is not kept
+    Range range;
+  };
+  Found find(std::uint64_t inner) const noexcept
   {
     if (slots_.empty())
     {
-      return nullptr;
+      return { nullptr, {} };
     }
-    const std::uint32_t slot = slots_[leaf].load(std::memory_order_acquire);
-    return slot == 0 ? nullptr : record(slot);
+    const std::uint32_t slot = slots_[inner].load(std::memory_order_acquire);
+    if (slot == 0)
+    {
+      return { nullptr, {} };
+    }
+    const Chunk* chunk = chunks_[slot / chunkRecords].load(std::memory_order_acquire);
+    return { &chunk->records[slot % chunkRecords], chunk->ranges[slot % chunkRecords] };
   }
 
   /// A writer's supply of records: one for each thread.
@@ -57,13 +62,8 @@ public:
       : cache_(cache)
     {
     }
-    /// A record to fill and publish; null when the budget is used up.
-    VertexRecord* reserve();
-    /// Makes the last reserved record the leaf's.
-    void publish(std::uint64_t leaf) noexcept
-    {
-      cache_.slots_[leaf].store(next_++, std::memory_order_release);
-    }
+    /// Keeps the block of an inner node; null when the budget is used up.
+    const BlockRecord* keep(std::uint64_t inner, const BlockRecord& record, Range range);
 
   private:
     VertexCache& cache_;
@@ -71,28 +71,34 @@ public:
     std::uint32_t end_ = 0;
   };
 
-  /// Call when no thread renders. Forgets all when the last frame ran out of budget, so that a new view gets
-  /// its share.
-  void beginFrame();
+  /// Call when no thread renders, after a frame that found and computed so many blocks. When the budget was used
+  /// up before it and most of what is kept was of no use, forgets all, so that a new view gets its share.
+  void endFrame(std::uint64_t found, std::uint64_t computed);
 
   /// Allocated bytes.
   std::size_t byteSize() const noexcept;
+  /// Bytes of one block, for budgets.
+  static constexpr std::size_t blockBytes = sizeof(BlockRecord) + sizeof(Range);
 
 private:
-  static constexpr std::uint32_t chunkRecords = 1024;
-
-  VertexRecord* record(std::uint32_t slot) const noexcept
+  static constexpr std::uint32_t chunkRecords = 256;
+  /// Apart, so that finding a block transparent does not touch its values.
+  struct Chunk
   {
-    return chunks_[slot / chunkRecords].load(std::memory_order_acquire) + slot % chunkRecords;
-  }
+    std::array<BlockRecord, chunkRecords> records;
+    std::array<Range, chunkRecords> ranges;
+  };
+  static_assert(sizeof(Chunk) == chunkRecords * blockBytes);
+
   /// First slot of a new chunk; 0 when there is none left.
   std::uint32_t addChunk();
 
-  std::vector<std::atomic<std::uint32_t>> slots_; // by leaf; 0: not kept
-  std::vector<std::atomic<VertexRecord*>> chunks_;
-  std::vector<std::unique_ptr<VertexRecord[]>> storage_; // of chunks_, for their release
+  std::vector<std::atomic<std::uint32_t>> slots_; // by inner node; 0: not kept
+  std::vector<std::atomic<Chunk*>> chunks_;
+  std::vector<std::unique_ptr<Chunk>> storage_; // of chunks_, for their release
   std::atomic<std::uint32_t> usedChunks_{ 0 };
   std::atomic<bool> overflowed_{ false };
+  bool full_ = false; // overflowed in an earlier frame
 };
 
 } // namespace treeamr

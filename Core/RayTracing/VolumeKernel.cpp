@@ -2,19 +2,21 @@
 // instruction set; the best is chosen when the program runs.
 //
 // A tile of 16 x 16 rays descends the octree once, front to back. Its rays form 16 groups of 4 x 4 pixels, a
-// group filling one AVX-512 vector (or 2 or 4 narrower ones), and a node is tested against the groups that
-// its parent met. In a leaf all rays of a group are integrated together, from the leaf's 27 vertex values: on
-// AVX-512 these stay in three registers and the corners of each ray's octant are permutations of them.
+// group filling one AVX-512 vector (or 2 or 4 narrower ones); a node's eight children are tested together
+// against the groups that met the node. A node whose children are all leaves is a block: its rays are taken
+// through it in one interval, from its 5 x 5 x 5 vertex values. Leaves beside refined nodes use their part of
+// the same values.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "RayTracing/VolumeKernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h: the rest is compiled once for each target.
 #include "RayTracing/VolumeKernel.h"
 
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cmath>
+#include <cstring>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -43,36 +45,115 @@ using GroupMask = std::uint32_t;
 constexpr float opaqueTransmittance = 1.f / 1024.f;
 constexpr float finished = -std::numeric_limits<float>::max();
 
+/// Samples for the square root of the variation of optical depth on a ray's way through a block, before
+/// `samplesPerCell` multiplies them: midpoint samples err by a part of the variation over their square.
+constexpr float samplesPerRootVariation = 4.f;
+
 struct Box
 {
   std::array<float, 3> min;
   std::array<float, 3> max;
 };
 
-/// Entry and exit of rays.
-struct Intervals
+/// 2 to the power of x <= 0 (Cephes' polynomial for single precision, without its range checks).
+HWY_INLINE Floats exp2(Floats x)
 {
-  Floats begin;
-  Floats end;
+  const FloatTag d;
+  const IntTag di;
+  x = hn::Max(x, hn::Set(d, -126.f));
+  const Floats whole = hn::Round(x);
+  const Floats f = hn::Sub(x, whole);
+  Floats p = hn::Set(d, 1.535336188319500e-4f);
+  p = hn::MulAdd(p, f, hn::Set(d, 1.339887440266574e-3f));
+  p = hn::MulAdd(p, f, hn::Set(d, 9.618437357674640e-3f));
+  p = hn::MulAdd(p, f, hn::Set(d, 5.550332471162809e-2f));
+  p = hn::MulAdd(p, f, hn::Set(d, 2.402264791363012e-1f));
+  p = hn::MulAdd(p, f, hn::Set(d, 6.931472028550421e-1f));
+  p = hn::MulAdd(p, f, hn::Set(d, 1.f));
+  const Ints exponent = hn::ShiftLeft<23>(hn::NearestInt(whole));
+  return hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent));
+}
+
+/// How a block's values become positions in the transfer function's table.
+struct ToTable
+{
+  float scale;
+  float offset;
+  float first; // hull of the block's positions, inside the table
+  float last;
 };
 
-/// The corners of each ray's octant, by x + 2 y + 4 z.
-using Corners = Floats[8];
+/// Vertex values in steps of their hull.
+struct QuantisedValues
+{
+  const std::uint16_t* values;
+
+  /// Of the vertices (x, x + 1) in each of four rows: y and y + 1 at z, then at z + 1.
+  HWY_INLINE void pairs(Ints index, Floats (&lower)[4], Floats (&upper)[4]) const
+  {
+    const FloatTag d;
+    const IntTag di;
+    constexpr int rows[4] = { 0, 5, 25, 30 };
+    for (int r = 0; r < 4; ++r)
+    {
+      const Ints both = gatherPairs(values + rows[r], index);
+      lower[r] = hn::ConvertTo(d, hn::And(both, hn::Set(di, 0xffff)));
+      upper[r] = hn::ConvertTo(
+        d, hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<FloatTag>(), both))));
+    }
+  }
+
+private:
+  static HWY_INLINE Ints gatherPairs(const std::uint16_t* row, Ints index)
+  {
+    const IntTag di;
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+    return hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row), hn::Add(index, index));
+#else
+    // Without the instruction, and without its licence to read between the element's boundaries.
+    HWY_ALIGN std::int32_t at[lanes];
+    HWY_ALIGN std::int32_t both[lanes];
+    hn::Store(index, di, at);
+    for (int i = 0; i < lanes; ++i)
+    {
+      std::memcpy(both + i, row + at[i], sizeof(*both));
+    }
+    return hn::Load(di, both);
+#endif
+  }
+};
+
+/// Vertex values less the lower end of their hull, where a step of it is too coarse.
+struct ExactValues
+{
+  const float* values;
+
+  HWY_INLINE void pairs(Ints index, Floats (&lower)[4], Floats (&upper)[4]) const
+  {
+    const FloatTag d;
+    constexpr int rows[4] = { 0, 5, 25, 30 };
+    for (int r = 0; r < 4; ++r)
+    {
+      lower[r] = hn::GatherIndex(d, values + rows[r], index);
+      upper[r] = hn::GatherIndex(d, values + rows[r] + 1, index);
+    }
+  }
+};
 
 /// CommonOrigin: all rays start at the scene's reference.
 template <bool CommonOrigin>
 class Tile
 {
 public:
-  explicit Tile(const VolumeKernelScene& scene) noexcept
+  explicit Tile(const VolumeKernelScene& scene)
     : scene_(scene)
     , octree_(scene.field.octree())
     , grid_(octree_.grid())
     , path_(octree_)
+    , evaluator_(scene.field)
     , writer_(scene.kept)
-    , tableMin_(static_cast<float>(scene.transferFunction.min()))
-    , tableScale_(static_cast<float>(scene.transferFunction.scale()))
-    , tableLast_(static_cast<float>(scene.table.size() - 1))
+    , table_(&scene.table.entries.data()->r)
+    , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
   {
   }
 
@@ -80,7 +161,7 @@ public:
   {
     GroupMask active = makeRays(x0, y0);
     const NodeRef root = octree_.root();
-    if (!root.isNone() && isVisible(root))
+    if (active != 0 && !root.isNone() && isVisible(root))
     {
       path_.reset();
       depth_ = 0;
@@ -92,11 +173,7 @@ public:
         box.min[a] = toKernel(a, bounds.min[a]);
         box.max[a] = toKernel(a, bounds.max[a]);
       }
-      active = crossing(box, active);
-      if (active != 0)
-      {
-        root.isLeaf() ? visitLeaf(root, box, active) : visit(root, box, active);
-      }
+      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active);
     }
     writePixels(x0, y0);
   }
@@ -115,22 +192,26 @@ private:
 
   GroupMask makeRays(int x0, int y0)
   {
+    if constexpr (CommonOrigin)
+    {
+      makeFan(x0, y0);
+    }
     GroupMask active = 0;
     for (int r = 0; r < tileRays; ++r)
     {
       transmittance_[r] = 1.f;
       red_[r] = green_[r] = blue_[r] = 0.f;
-      begin_[r] = 0.f;
-      end_[r] = finished;
-      for (int a = 0; a < 3; ++a)
-      {
-        origin_[a][r] = 0.f;
-        direction_[a][r] = inverse_[a][r] = 1.f;
-      }
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
       if (x >= scene_.image.width || y >= scene_.image.height)
       {
+        end_[r] = finished;
+        continue;
+      }
+      if (CommonOrigin && !scene_.interval.begin && !scene_.interval.end)
+      {
+        active |= GroupMask(1) << r / groupRays;
+        ++statistics_.rays;
         continue;
       }
       const std::size_t pixel = static_cast<std::size_t>(y) * scene_.image.width + x;
@@ -138,26 +219,98 @@ private:
       const double end = scene_.interval.end ? scene_.interval.end[pixel] : 1.;
       if (!(begin < end))
       {
+        end_[r] = finished;
         continue;
       }
-      const Ray ray = scene_.camera.ray(x, y);
-      begin_[r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
-      end_[r] = tToKernel(scene_.camera.tFromDepth(ray, end));
-      for (int a = 0; a < 3; ++a)
-      {
-        // A parallel to a face has no reciprocal; this tiny slope sorts it into one side of any plane.
-        constexpr float tiny = 1e-20f;
-        const auto d = static_cast<float>(ray.direction[a]);
-        direction_[a][r] = d;
-        inverse_[a][r] = 1.f / (d >= 0.f ? std::max(d, tiny) : std::min(d, -tiny));
-        if (!CommonOrigin)
-        {
-          origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
-        }
-      }
       active |= GroupMask(1) << r / groupRays;
+      ++statistics_.rays;
+      if constexpr (CommonOrigin)
+      {
+        begin_[r] = fanT(x, y, begin);
+        end_[r] = fanT(x, y, end);
+      }
+      else
+      {
+        makeRay(r, x, y, begin, end);
+      }
     }
     return active;
+  }
+
+  float fanT(int x, int y, double depth) const noexcept
+  {
+    const PixelFan& fan = scene_.fan;
+    return static_cast<float>(scene_.scale /
+      (fan.inverseT + x * fan.inverseTPerX + y * fan.inverseTPerY + depth * fan.inverseTPerDepth));
+  }
+
+  /// Away from zero, keeping its sign: a ray parallel to a face has no reciprocal, and this tiny slope sorts it
+  /// into one side of any plane.
+  static HWY_INLINE Floats awayFromZero(Floats v)
+  {
+    const FloatTag d;
+    return hn::CopySign(hn::Max(hn::Abs(v), hn::Set(d, 1e-20f)), v);
+  }
+
+  void makeFan(int x0, int y0)
+  {
+    const FloatTag d;
+    const PixelFan& fan = scene_.fan;
+    HWY_ALIGN static constexpr float xs[groupRays] = { 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3 };
+    HWY_ALIGN static constexpr float ys[groupRays] = { 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
+    const Matrix4& m = scene_.camera.worldFromData();
+    for (int ray = 0; ray < tileRays; ray += lanes)
+    {
+      const Floats x = hn::Load(d, xs + ray % groupRays);
+      const Floats y = hn::Load(d, ys + ray % groupRays);
+      const int groupX = x0 + xInTile(ray & ~(groupRays - 1));
+      const int groupY = y0 + yInTile(ray & ~(groupRays - 1));
+      Floats direction[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        const double first = fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a];
+        direction[a] = hn::MulAdd(x, hn::Set(d, static_cast<float>(fan.perX[a])),
+          hn::MulAdd(y, hn::Set(d, static_cast<float>(fan.perY[a])), hn::Set(d, static_cast<float>(first))));
+        hn::Store(direction[a], d, direction_[a] + ray);
+        hn::Store(hn::Div(hn::Set(d, 1.f), awayFromZero(direction[a])), d, inverse_[a] + ray);
+      }
+      Floats squared = hn::Zero(d);
+      for (int r = 0; r < 3; ++r)
+      {
+        Floats w = hn::Zero(d);
+        for (int a = 0; a < 3; ++a)
+        {
+          w = hn::MulAdd(hn::Set(d, static_cast<float>(m[4 * r + a])), direction[a], w);
+        }
+        squared = hn::MulAdd(w, w, squared);
+      }
+      hn::Store(hn::Sqrt(squared), d, lengthPerT_ + ray);
+      const Floats perX = hn::Set(d, static_cast<float>(fan.inverseTPerX / scene_.scale));
+      const Floats perY = hn::Set(d, static_cast<float>(fan.inverseTPerY / scene_.scale));
+      const double first =
+        (fan.inverseT + groupX * fan.inverseTPerX + groupY * fan.inverseTPerY) / scene_.scale;
+      const Floats near = hn::MulAdd(x, perX, hn::MulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
+      const Floats far = hn::MulAdd(x, perX,
+        hn::MulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
+      hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_ + ray);
+      hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_ + ray);
+    }
+  }
+
+  void makeRay(int r, int x, int y, double begin, double end)
+  {
+    const Ray ray = scene_.camera.ray(x, y);
+    begin_[r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
+    end_[r] = tToKernel(scene_.camera.tFromDepth(ray, end));
+    lengthPerT_[r] = 1.f;
+    for (int a = 0; a < 3; ++a)
+    {
+      constexpr float tiny = 1e-20f;
+      const auto slope = static_cast<float>(ray.direction[a]);
+      direction_[a][r] = slope;
+      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
+      origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
+    }
   }
 
   float tToKernel(double t) const noexcept
@@ -188,56 +341,94 @@ private:
       scene_.transferFunction.isVisible(scene_.field.nodeRange(node));
   }
 
-  HWY_INLINE void clipAxis(int axis, int ray, const Box& box, Intervals& t) const
+  HWY_INLINE Floats planeT(int axis, int ray, float plane) const
   {
     const FloatTag d;
-    const Floats inverse = hn::Load(d, inverse_[axis] + ray);
-    Floats low = hn::Set(d, box.min[axis]);
-    Floats high = hn::Set(d, box.max[axis]);
+    Floats distance = hn::Set(d, plane);
     if (!CommonOrigin)
     {
-      const Floats origin = hn::Load(d, origin_[axis] + ray);
-      low = hn::Sub(low, origin);
-      high = hn::Sub(high, origin);
+      distance = hn::Sub(distance, hn::Load(d, origin_[axis] + ray));
     }
-    low = hn::Mul(low, inverse);
-    high = hn::Mul(high, inverse);
-    t.begin = hn::Max(t.begin, hn::Min(low, high));
-    t.end = hn::Min(t.end, hn::Max(low, high));
+    return hn::Mul(distance, hn::Load(d, inverse_[axis] + ray));
   }
 
-  HWY_INLINE Intervals clip(int ray, const Box& box) const
+  /// For each of a node's children the groups of which a ray crosses it.
+  HWY_INLINE void cross(
+    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
   {
     const FloatTag d;
-    Intervals t{ hn::Load(d, begin_ + ray), hn::Load(d, end_ + ray) };
-    clipAxis(0, ray, box, t);
-    clipAxis(1, ray, box, t);
-    clipAxis(2, ray, box, t);
-    return t;
-  }
-
-  /// Those of the groups of which a ray crosses the box.
-  HWY_INLINE GroupMask crossing(const Box& box, GroupMask active) const
-  {
-    const FloatTag d;
-    GroupMask out = 0;
+    for (GroupMask& child : children)
+    {
+      child = 0;
+    }
     for (; active != 0; active &= active - 1)
     {
       const int group = std::countr_zero(active);
-      bool any = false;
+      unsigned any = 0; // mask of children
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
       {
-        const Intervals t = clip(ray, box);
-        any = any || !hn::AllFalse(d, hn::Lt(t.begin, t.end));
+        Floats begin[3][2];
+        Floats end[3][2];
+        for (int a = 0; a < 3; ++a)
+        {
+          const Floats low = planeT(a, ray, box.min[a]);
+          const Floats mid = planeT(a, ray, middle[a]);
+          const Floats high = planeT(a, ray, box.max[a]);
+          begin[a][0] = hn::Min(low, mid);
+          end[a][0] = hn::Max(low, mid);
+          begin[a][1] = hn::Min(mid, high);
+          end[a][1] = hn::Max(mid, high);
+        }
+        const Floats rayBegin = hn::Load(d, begin_ + ray);
+        const Floats rayEnd = hn::Load(d, end_ + ray);
+        for (int z = 0; z < 2; ++z)
+        {
+          const Floats beginZ = hn::Max(begin[2][z], rayBegin);
+          const Floats endZ = hn::Min(end[2][z], rayEnd);
+          for (int y = 0; y < 2; ++y)
+          {
+            const Floats beginYZ = hn::Max(begin[1][y], beginZ);
+            const Floats endYZ = hn::Min(end[1][y], endZ);
+            for (int x = 0; x < 2; ++x)
+            {
+              const Mask crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
+              any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
+            }
+          }
+        }
       }
-      out |= static_cast<GroupMask>(any) << group;
+      for (int c = 0; c < 8; ++c)
+      {
+        children[c] |= static_cast<GroupMask>(any >> c & 1) << group;
+      }
     }
-    return out;
   }
 
-  void visit(NodeRef node, const Box& box, GroupMask active)
+  void visit(std::uint64_t node, const Box& box, GroupMask active)
   {
     ++statistics_.nodes;
+    const Octree::Children children = octree_.children(node);
+    if (isBlock(children, box))
+    {
+      visitBlock(node, box, active);
+      return;
+    }
+    unsigned wanted = 0; // mask of children
+    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const NodeRef child(NodeKind::Inner, depth_ + 1, children.innerIndex(octant));
+      wanted |= static_cast<unsigned>(isVisible(child)) << octant;
+    }
+    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      wanted |= static_cast<unsigned>(!octree_.isGhost(children.leafIndex(octant))) << octant;
+    }
+    if (wanted == 0)
+    {
+      return;
+    }
     std::array<float, 3> middle;
     int nearest = 0;
     for (int a = 0; a < 3; ++a)
@@ -248,11 +439,14 @@ private:
         scene_.camera.isPerspective() ? scene_.camera.eye()[a] >= plane : direction_[a][0] < 0.f;
       nearest |= upper << a;
     }
+    GroupMask crossing[8];
+    cross(box, middle, active, crossing);
+    bool hasValues = false;
+    Block block;
     for (int i = 0; i < 8; ++i)
     {
       const int octant = i ^ nearest;
-      const NodeRef child = octree_.child(node, octant);
-      if (child.isNone() || !isVisible(child))
+      if (!(wanted >> octant & 1) || crossing[octant] == 0)
       {
         continue;
       }
@@ -263,9 +457,18 @@ private:
         childBox.min[a] = upper ? middle[a] : box.min[a];
         childBox.max[a] = upper ? box.max[a] : middle[a];
       }
-      const GroupMask childActive = crossing(childBox, active);
-      if (childActive == 0)
+      if (children.leaf >> octant & 1)
       {
+        if (!hasValues)
+        {
+          if (!find(node, block))
+          {
+            wanted &= ~children.leaf;
+            continue;
+          }
+          hasValues = true;
+        }
+        integrate(block, childBox, Lattice(childBox, octant), crossing[octant]);
         continue;
       }
       octant_[depth_] = static_cast<std::uint8_t>(octant);
@@ -275,186 +478,287 @@ private:
         index_[a] = 2 * index_[a] + (octant >> a & 1);
       }
       ++depth_;
-      child.isLeaf() ? visitLeaf(child, childBox, childActive) : visit(child, childBox, childActive);
+      visit(children.innerIndex(octant), childBox, crossing[octant]);
       --depth_;
       index_ = index;
       if (path_.depth() > depth_)
       {
         path_.ascend();
       }
+      // The subtree may have used the buffers.
+      hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
     }
   }
 
-  /// Kept, or computed: only then are the neighbourhoods down to here needed.
-  const VertexRecord& vertices(NodeRef leaf)
+  /// Whether the node's children are drawn together.
+  bool isBlock(const Octree::Children& children, const Box& box) const noexcept
   {
-    if (const VertexRecord* found = scene_.kept.find(leaf.index()))
+    // Above the root trees widths may differ and parts be missing.
+    if (children.exists != 0xff || depth_ < grid_.paddingDepth())
     {
-      return *found;
+      return false;
     }
-    ++statistics_.cells;
+    if (children.leaf == 0xff)
+    {
+      return !octree_.hasGhosts();
+    }
+    return children.leaf == 0 && scene_.settings.levelOfDetailPixels > 0. && isSmall(box);
+  }
+
+  bool isSmall(const Box& box) const noexcept
+  {
+    double squared = 0.;
+    double width = 0.;
+    for (int a = 0; a < 3; ++a)
+    {
+      squared += std::pow(0.5 * (box.min[a] + box.max[a]), 2);
+      width = std::max(width, 0.5 * static_cast<double>(box.max[a] - box.min[a]));
+    }
+    const double pixel = scene_.pixelWidth + scene_.pixelGrowth * std::sqrt(squared);
+    return width < scene_.settings.levelOfDetailPixels * pixel;
+  }
+
+  /// The lattice of vertices that positions count in, in half widths of a leaf, and the part of it to use.
+  struct Lattice
+  {
+    /// Of a whole block.
+    explicit Lattice(const Box& box)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        scale[a] = 4.f / (box.max[a] - box.min[a]);
+        min[a] = box.min[a];
+        first[a] = 0.f;
+        last[a] = 3.f;
+      }
+    }
+    /// Of the child in an octant, from its box.
+    Lattice(const Box& child, int octant)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        const float width = child.max[a] - child.min[a];
+        const bool upper = octant >> a & 1;
+        scale[a] = 2.f / width;
+        min[a] = upper ? child.min[a] - width : child.min[a];
+        first[a] = upper ? 2.f : 0.f;
+        last[a] = upper ? 3.f : 1.f;
+      }
+    }
+    float min[3];
+    float scale[3];
+    float first[3];
+    float last[3];
+  };
+
+  /// A node's vertex values, ready for sampling.
+  struct Block
+  {
+    const std::uint16_t* steps;
+    const float* exact; // null unless steps are too coarse
+    ToTable toTable;
+    float variation; // of the extinction over the block's hull, per kernel unit
+  };
+
+  /// Whether values in steps would make steps in the picture, too.
+  static bool isCoarse(const ToTable& t) { return !(t.scale < 0.25f); }
+
+  /// False when nothing of it is visible. The path's neighbourhoods are only needed when values are computed.
+  bool find(std::uint64_t node, Block& block)
+  {
+    const VertexCache::Found found = scene_.kept.find(node);
+    Range range = found.range;
+    block.exact = nullptr;
+    if (found.record)
+    {
+      ++statistics_.kept;
+      block.steps = found.record->values.data();
+    }
+    else
+    {
+      compute();
+      range = values_.range;
+    }
+    if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
+    {
+      if (!found.record)
+      {
+        writer_.keep(node, BlockRecord(values_), range);
+      }
+      return false;
+    }
+    const TransferFunction& tf = scene_.transferFunction;
+    const double first = tf.position(range.min);
+    const double last = tf.position(range.max);
+    const double offset = (range.min - tf.min()) * tf.scale();
+    const double width = static_cast<double>(range.max) - range.min;
+    block.toTable = { static_cast<float>(width * tf.scale() / BlockRecord::steps), static_cast<float>(offset),
+      static_cast<float>(first), static_cast<float>(last) };
+    const std::vector<double>& variation = scene_.table.variation;
+    block.variation =
+      static_cast<float>(variation[std::min(static_cast<std::size_t>(last) + 1, variation.size() - 1)] -
+        variation[static_cast<std::size_t>(first)]);
+    if (!found.record)
+    {
+      record_ = BlockRecord(values_);
+      const BlockRecord* kept = writer_.keep(node, record_, range);
+      block.steps = (kept ? kept : &record_)->values.data();
+    }
+    if (isCoarse(block.toTable))
+    {
+      if (found.record)
+      {
+        compute();
+      }
+      for (std::size_t i = 0; i < values_.values.size(); ++i)
+      {
+        exact_[i] = values_.values[i] - range.min;
+      }
+      block.exact = exact_;
+      block.toTable.scale = static_cast<float>(tf.scale());
+    }
+    return true;
+  }
+
+  void compute()
+  {
     while (path_.depth() < depth_)
     {
       path_.descend(octant_[path_.depth()]);
     }
-    VertexRecord* record = writer_.reserve();
-    if (!record)
-    {
-      local_.compute(path_, scene_.field, memo_);
-      return local_;
-    }
-    record->compute(path_, scene_.field, memo_);
-    writer_.publish(leaf.index());
-    return *record;
+    evaluator_.compute(path_, values_);
+    ++statistics_.blocks;
+    const Octree::Children children = octree_.children(path_.node().index());
+    statistics_.cells += std::popcount(children.leaf);
   }
 
-  void visitLeaf(NodeRef leaf, const Box& box, GroupMask active)
+  void visitBlock(std::uint64_t node, const Box& box, GroupMask active)
   {
-    if (octree_.isGhost(leaf.index()))
+    Block block;
+    if (find(node, block))
+    {
+      integrate(block, box, Lattice(box), active);
+    }
+  }
+
+  /// A tree without inner nodes: one constant.
+  void visitOnlyLeaf(const Box& box, GroupMask active)
+  {
+    if (octree_.isGhost(0))
     {
       return;
     }
-    const VertexRecord& record = vertices(leaf);
-    if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(record.range))
+    const float value = scene_.field.leafValues()[0];
+    const auto position = static_cast<float>(scene_.transferFunction.position(value));
+    record_ = {};
+    integrate({ record_.values.data(), nullptr, { 0.f, position, position, position }, 0.f }, box,
+      Lattice(box), active);
+  }
+
+  void integrate(const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  {
+    if (block.exact)
     {
-      return;
+      integrate(ExactValues{ block.exact }, block, box, lattice, active);
     }
-    const LeafValues values(record);
+    else
+    {
+      integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
+    }
+  }
+
+  template <class Values>
+  void integrate(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  {
     for (; active != 0; active &= active - 1)
     {
       const int group = std::countr_zero(active);
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
       {
-        integrate(ray, box, values);
+        integrate(values, block, box, lattice, ray);
       }
     }
-  }
-
-  /// A leaf's vertex values, ready for look-ups by ray.
-  class LeafValues
-  {
-  public:
-    HWY_INLINE explicit LeafValues(const VertexRecord& record)
-      : vertices(record.values.data())
-      , range(record.range)
-    {
-      if constexpr (lanes == 16)
-      {
-        const FloatTag d;
-        plane[0] = hn::LoadU(d, vertices);
-        plane[1] = hn::LoadU(d, vertices + 9);
-        plane[2] = hn::LoadU(d, vertices + 16); // two lanes on: no load reaches beyond the record
-        alignas(
-          64) static constexpr std::int32_t shift[16] = { 2, 3, 4, 5, 6, 7, 8, 9, 10, 0, 0, 0, 0, 0, 0, 0 };
-        plane[2] = hn::TableLookupLanes(plane[2], hn::SetTableIndices(d, shift));
-      }
-    }
-
-    /// base: x + 3 y of the octant's lower corner. upperZ: whether it is one of the upper octants.
-    HWY_INLINE void corners(Ints base, Mask upperZ, Corners& out) const
-    {
-      const FloatTag d;
-      const IntTag di;
-      constexpr std::int32_t offset[4] = { 0, 1, 3, 4 };
-      for (int c = 0; c < 4; ++c)
-      {
-        const Ints at = hn::Add(base, hn::Set(di, offset[c]));
-        if constexpr (lanes == 16)
-        {
-          const auto lane = hn::IndicesFromVec(d, at);
-          const Floats low = hn::TableLookupLanes(plane[0], lane);
-          const Floats mid = hn::TableLookupLanes(plane[1], lane);
-          const Floats high = hn::TableLookupLanes(plane[2], lane);
-          out[c] = hn::IfThenElse(upperZ, mid, low);
-          out[c + 4] = hn::IfThenElse(upperZ, high, mid);
-        }
-        else
-        {
-          const Ints index = hn::Add(at, hn::IfThenElseZero(hn::RebindMask(di, upperZ), hn::Set(di, 9)));
-          out[c] = hn::GatherIndex(d, vertices, index);
-          out[c + 4] = hn::GatherIndex(d, vertices + 9, index);
-        }
-      }
-    }
-
-    const float* vertices;
-    Range range;
-    Floats plane[3]; // z = 0, 1, 2; in 16 lanes only
-  };
-
-  /// Position along an axis in half widths (0 to 2) as octant and position in it (0 to 1).
-  static HWY_INLINE Mask splitOctant(Floats& position)
-  {
-    const FloatTag d;
-    const Floats one = hn::Set(d, 1.f);
-    const Mask upper = hn::Ge(position, one);
-    position = hn::Sub(position, hn::IfThenElseZero(upper, one));
-    position = hn::Min(one, hn::Max(hn::Zero(d), position));
-    return upper;
   }
 
   static HWY_INLINE Floats lerp(Floats f, Floats a, Floats b) { return hn::MulAdd(f, hn::Sub(b, a), a); }
 
-  static HWY_INLINE Floats fieldAt(Floats x, Floats y, Floats z, const LeafValues& values)
+  /// Trilinear at a position on the lattice, as a position in the table.
+  template <class Values>
+  static HWY_INLINE Floats sample(
+    const Floats (&at)[3], const Values& values, const ToTable& toTable, const Lattice& lattice)
   {
     const FloatTag d;
     const IntTag di;
-    const Mask upperX = splitOctant(x);
-    const Mask upperY = splitOctant(y);
-    const Mask upperZ = splitOctant(z);
-    const Ints base = hn::Add(hn::IfThenElseZero(hn::RebindMask(di, upperX), hn::Set(di, 1)),
-      hn::IfThenElseZero(hn::RebindMask(di, upperY), hn::Set(di, 3)));
-    Corners v;
-    values.corners(base, upperZ, v);
-    const Floats low = lerp(y, lerp(x, v[0], v[1]), lerp(x, v[2], v[3]));
-    const Floats high = lerp(y, lerp(x, v[4], v[5]), lerp(x, v[6], v[7]));
-    // Rounding must not leave the range by which nodes are skipped.
-    return hn::Min(hn::Set(d, values.range.max), hn::Max(hn::Set(d, values.range.min), lerp(z, low, high)));
+    Floats cell[3];
+    Floats f[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      cell[a] = hn::Min(hn::Max(hn::Floor(at[a]), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
+      f[a] = hn::Sub(at[a], cell[a]);
+    }
+    const Floats index = hn::MulAdd(hn::MulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]);
+    Floats lower[4];
+    Floats upper[4];
+    values.pairs(hn::ConvertTo(di, index), lower, upper);
+    const Floats low = lerp(f[1], lerp(f[0], lower[0], upper[0]), lerp(f[0], lower[1], upper[1]));
+    const Floats high = lerp(f[1], lerp(f[0], lower[2], upper[2]), lerp(f[0], lower[3], upper[3]));
+    const Floats position =
+      hn::MulAdd(lerp(f[2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
+    // Rounding must not leave the hull by which nodes are skipped.
+    return hn::Min(hn::Max(position, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
   }
 
-  HWY_INLINE Ints tableIndex(Floats value) const
+  /// Midpoint samples of the rays from `ray` on through a box.
+  template <class Values>
+  HWY_INLINE void integrate(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
   {
     const FloatTag d;
-    const Floats position = hn::Mul(hn::Sub(value, hn::Set(d, tableMin_)), hn::Set(d, tableScale_));
-    const Floats clamped = hn::Min(hn::Set(d, tableLast_), hn::Max(hn::Zero(d), position));
-    return hn::ShiftLeft<2>(hn::NearestInt(clamped)); // entries of four floats
-  }
-
-  /// Midpoint samples of the rays from `ray` on, as many for each as its way through the leaf asks for.
-  HWY_INLINE void integrate(int ray, const Box& box, const LeafValues& values)
-  {
-    const FloatTag d;
-    const Intervals t = clip(ray, box);
-    const Mask crosses = hn::Lt(t.begin, t.end);
+    Floats begin = hn::Load(d, begin_ + ray);
+    Floats end = hn::Load(d, end_ + ray);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Floats low = planeT(a, ray, box.min[a]);
+      const Floats high = planeT(a, ray, box.max[a]);
+      begin = hn::Max(begin, hn::Min(low, high));
+      end = hn::Min(end, hn::Max(low, high));
+    }
+    const Mask crosses = hn::Lt(begin, end);
     if (hn::AllFalse(d, crosses))
     {
       return;
     }
-    const Floats length = hn::IfThenElseZero(crosses, hn::Sub(t.end, t.begin));
-    Floats at[3];    // in half widths
-    Floats slope[3]; // per kernel unit
+    ++statistics_.intervals;
+    const Floats length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
+    Floats start[3]; // on the lattice
+    Floats slope[3]; // per t
     Floats squared = hn::Zero(d);
     for (int a = 0; a < 3; ++a)
     {
       const Floats direction = hn::Load(d, direction_[a] + ray);
-      const Floats halfWidths = hn::Set(d, 2.f / (box.max[a] - box.min[a]));
-      Floats start = hn::Set(d, -box.min[a]);
+      const Floats scale = hn::Set(d, lattice.scale[a]);
+      Floats corner = hn::Set(d, -lattice.min[a]);
       if (!CommonOrigin)
       {
-        start = hn::Add(start, hn::Load(d, origin_[a] + ray));
+        corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
       }
-      at[a] = hn::Mul(hn::MulAdd(t.begin, direction, start), halfWidths);
-      slope[a] = hn::Mul(direction, halfWidths);
+      start[a] = hn::Mul(hn::MulAdd(begin, direction, corner), scale);
+      slope[a] = hn::Mul(direction, scale);
       squared = hn::MulAdd(slope[a], slope[a], squared);
     }
+    Floats transmittance = hn::Load(d, transmittance_ + ray);
+    const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
+    // In half widths of a leaf, and as an optical depth.
     const Floats widths = hn::Mul(hn::Mul(hn::Sqrt(squared), length), hn::Set(d, 0.5f));
-    const Floats samples = hn::Max(hn::Set(d, 1.f),
-      hn::Ceil(hn::Mul(widths, hn::Set(d, static_cast<float>(scene_.settings.samplesPerCell)))));
+    const Floats variation =
+      hn::Mul(hn::Mul(length, lengthPerT), hn::Mul(transmittance, hn::Set(d, block.variation)));
+    const Floats wanted = hn::Min(widths, hn::Mul(hn::Sqrt(variation), hn::Set(d, samplesPerRootVariation)));
+    const Floats samples = hn::Max(hn::Set(d, 1.f), hn::Ceil(hn::Mul(wanted, hn::Set(d, samplesPerCell_))));
     const Floats step = hn::Div(length, samples);
+    const Floats depthPerExtinction = hn::Mul(step, lengthPerT);
     const float mostSamples = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(crosses, samples)));
 
-    const float* const table = &scene_.table.data()->r;
-    Floats transmittance = hn::Load(d, transmittance_ + ray);
     Floats red = hn::Load(d, red_ + ray);
     Floats green = hn::Load(d, green_ + ray);
     Floats blue = hn::Load(d, blue_ + ray);
@@ -463,18 +767,20 @@ private:
       const Floats along = hn::Mul(hn::Set(d, i), step);
       const Mask live = hn::Lt(along, length);
       statistics_.samples += hn::CountTrue(d, live);
-      const Ints entry = tableIndex(fieldAt(hn::MulAdd(along, slope[0], at[0]),
-        hn::MulAdd(along, slope[1], at[1]), hn::MulAdd(along, slope[2], at[2]), values));
-      const Floats extinction = hn::IfThenElseZero(live, hn::GatherIndex(d, table + 3, entry));
+      const Floats at[3] = { hn::MulAdd(along, slope[0], start[0]), hn::MulAdd(along, slope[1], start[1]),
+        hn::MulAdd(along, slope[2], start[2]) };
+      const Ints entry =
+        hn::ShiftLeft<2>(hn::NearestInt(sample(at, values, block.toTable, lattice))); // of four floats
+      const Floats extinction = hn::IfThenElseZero(live, hn::GatherIndex(d, table_ + 3, entry));
       if (hn::AllTrue(d, hn::Eq(extinction, hn::Zero(d))))
       {
         continue;
       }
-      const Floats passes = hn::Exp(d, hn::Neg(hn::Mul(extinction, step)));
+      const Floats passes = exp2(hn::Neg(hn::Mul(extinction, depthPerExtinction)));
       const Floats weight = hn::NegMulAdd(transmittance, passes, transmittance);
-      red = hn::MulAdd(weight, hn::GatherIndex(d, table, entry), red);
-      green = hn::MulAdd(weight, hn::GatherIndex(d, table + 1, entry), green);
-      blue = hn::MulAdd(weight, hn::GatherIndex(d, table + 2, entry), blue);
+      red = hn::MulAdd(weight, hn::GatherIndex(d, table_, entry), red);
+      green = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 1, entry), green);
+      blue = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 2, entry), blue);
       transmittance = hn::Mul(transmittance, passes);
     }
     hn::Store(transmittance, d, transmittance_ + ray);
@@ -489,22 +795,24 @@ private:
   const Octree& octree_;
   const RootGrid& grid_;
   TreePath path_; // as deep as neighbourhoods were needed so far
-  VertexMemo memo_;
+  BlockEvaluator evaluator_;
   VertexCache::Writer writer_;
-  VertexRecord local_;
-  float tableMin_;
-  float tableScale_;
-  float tableLast_;
+  const float* table_;
+  float samplesPerCell_;
+  BlockValues values_; // computed last
+  BlockRecord record_;
+  HWY_ALIGN float exact_[128] = {};
 
   int depth_ = 0;
   std::array<Coord, 3> index_{};
   std::array<std::uint8_t, Octree::maxDepth + 1> octant_;
 
-  HWY_ALIGN float origin_[3][tileRays];
-  HWY_ALIGN float direction_[3][tileRays];
-  HWY_ALIGN float inverse_[3][tileRays];
-  HWY_ALIGN float begin_[tileRays];
-  HWY_ALIGN float end_[tileRays];
+  HWY_ALIGN float origin_[3][tileRays] = {}; // unless common
+  HWY_ALIGN float direction_[3][tileRays] = {};
+  HWY_ALIGN float inverse_[3][tileRays] = {};
+  HWY_ALIGN float begin_[tileRays] = {};
+  HWY_ALIGN float end_[tileRays] = {};
+  HWY_ALIGN float lengthPerT_[tileRays] = {}; // world length per t
   HWY_ALIGN float transmittance_[tileRays];
   HWY_ALIGN float red_[tileRays];
   HWY_ALIGN float green_[tileRays];
@@ -525,8 +833,8 @@ VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBe
 
 VolumeStatistics RenderTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
-  return scene.commonOrigin ? renderRow<true>(scene, row, columnBegin, columnEnd)
-                            : renderRow<false>(scene, row, columnBegin, columnEnd);
+  return scene.features.commonOrigin ? renderRow<true>(scene, row, columnBegin, columnEnd)
+                                     : renderRow<false>(scene, row, columnBegin, columnEnd);
 }
 
 } // namespace HWY_NAMESPACE

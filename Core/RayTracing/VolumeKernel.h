@@ -7,6 +7,22 @@
 namespace treeamr
 {
 
+/// What a frame needs beyond the common case. Chosen once; each combination is compiled apart.
+struct SceneFeatures
+{
+  bool commonOrigin = true; // all rays start at one point
+};
+
+/// The transfer function for the kernel: nearest entry, extinctions in binary orders of magnitude of light per
+/// kernel unit.
+struct KernelTable
+{
+  std::vector<TransferFunction::Entry> entries;
+  /// Total variation of extinction, and of extinction times colour, before each entry, natural logarithm: the
+  /// larger of them, per kernel unit.
+  std::vector<double> variation;
+};
+
 /// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, so
 /// that neither offsets nor units cost it digits.
 struct VolumeKernelScene
@@ -19,13 +35,15 @@ struct VolumeKernelScene
   VertexCache& kept;
   Image& image;
 
+  SceneFeatures features;
   Vec3 reference;    // data coordinates; the eye when all rays start there
-  bool commonOrigin; // all rays start at the reference
   double tReference; // t that the kernel counts from
   double scale;      // kernel units per unit of world length and of data coordinates
-
-  /// Transfer function with extinctions per kernel unit; nearest entry.
-  std::vector<TransferFunction::Entry> table;
+  PixelFan fan;      // in data coordinates; common origin only
+  KernelTable table;
+  /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
+  double pixelWidth;
+  double pixelGrowth;
 };
 
 constexpr int volumeTileWidth = 16;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 
 namespace treeamr
@@ -52,8 +53,9 @@ bool fitsKernel(const Field& field, const TransferFunction& transferFunction)
 /// Where the kernel counts from, and in which units.
 void place(VolumeKernelScene& scene)
 {
+  const Camera& camera = scene.camera;
   const Bounds domain = scene.field.octree().grid().bounds();
-  const Ray central = scene.camera.ray(scene.camera.width() / 2, scene.camera.height() / 2);
+  const Ray central = camera.ray(camera.width() / 2, camera.height() / 2);
   double diagonal = 0.; // in t: a length along the central ray's scale
   double toCentre = 0.;
   double squared = 0.;
@@ -68,16 +70,59 @@ void place(VolumeKernelScene& scene)
   // Far away (narrow angles), counting from the eye would leave the domain to the last digits.
   constexpr double nearby = 8.;
   scene.scale = 1. / diagonal;
-  scene.commonOrigin = scene.camera.isPerspective() && std::abs(toCentre) < nearby * diagonal;
-  scene.tReference = scene.commonOrigin ? 0. : toCentre - diagonal;
+  scene.features.commonOrigin = camera.isPerspective() && std::abs(toCentre) < nearby * diagonal;
+  scene.tReference = scene.features.commonOrigin ? 0. : toCentre - diagonal;
   for (int a = 0; a < 3; ++a)
   {
     scene.reference[a] = central.origin[a] + scene.tReference * central.direction[a];
   }
-  for (TransferFunction::Entry& e : scene.table)
+  if (scene.features.commonOrigin)
   {
-    const double perUnit = e.extinction * diagonal;
-    e.extinction = static_cast<float>(std::min<double>(perUnit, TransferFunction::opaqueExtinction));
+    scene.fan = camera.fan();
+  }
+}
+
+/// Widths of pixels from the distance between two rays in the image's middle.
+void measurePixels(VolumeKernelScene& scene)
+{
+  const Camera& camera = scene.camera;
+  const int x = camera.width() / 2;
+  const int y = camera.height() / 2;
+  const Ray a = camera.ray(x, y);
+  const Ray b = camera.ray(x + 1, y);
+  double origins = 0.;
+  double directions = 0.;
+  for (int i = 0; i < 3; ++i)
+  {
+    origins += std::pow(b.origin[i] - a.origin[i], 2);
+    directions += std::pow(b.direction[i] - a.direction[i], 2);
+  }
+  scene.pixelGrowth = std::sqrt(directions);
+  scene.pixelWidth = (std::sqrt(origins) + scene.tReference * scene.pixelGrowth) * scene.scale;
+}
+
+void fillTable(VolumeKernelScene& scene)
+{
+  KernelTable& table = scene.table;
+  table.entries = scene.transferFunction.entries();
+  table.variation.resize(table.entries.size());
+  double variation = 0.;
+  for (std::size_t i = 0; i < table.entries.size(); ++i)
+  {
+    TransferFunction::Entry& e = table.entries[i];
+    const double perUnit = std::min<double>(e.extinction / scene.scale, TransferFunction::opaqueExtinction);
+    if (i > 0)
+    {
+      const TransferFunction::Entry& before = scene.transferFunction.entries()[i - 1];
+      const double perUnitBefore =
+        std::min<double>(before.extinction / scene.scale, TransferFunction::opaqueExtinction);
+      variation +=
+        std::max({ std::abs(perUnit - perUnitBefore), std::abs(perUnit * e.r - perUnitBefore * before.r),
+          std::abs(perUnit * e.g - perUnitBefore * before.g),
+          std::abs(perUnit * e.b - perUnitBefore * before.b) });
+    }
+    table.variation[i] = variation;
+    e.extinction = static_cast<float>(perUnit * std::numbers::log2e);
   }
 }
 
@@ -92,10 +137,14 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   {
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image);
   }
-  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, true, 0., 1.,
-    transferFunction.entries() };
+  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, 0., 1.,
+    {}, {}, 0., 0. };
   place(scene);
-  kept.beginFrame();
+  if (settings.levelOfDetailPixels > 0.)
+  {
+    measurePixels(scene);
+  }
+  fillTable(scene);
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
@@ -105,14 +154,17 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
       statistics.local() += renderVolumeTiles(scene, row, tiles.cols().begin(), tiles.cols().end());
     }
   });
-  return statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+  const VolumeStatistics all =
+    statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+  kept.endFrame(all.kept, all.blocks);
+  return all;
 }
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image)
 {
   // For this frame only: tiles share the leaves on their borders.
-  VertexCache kept(field.octree().leafCount(), VolumeSettings::defaultKeptBytes);
+  VertexCache kept(field.octree(), VolumeSettings::defaultKeptBytes);
   return renderVolume(field, transferFunction, camera, interval, settings, kept, image);
 }
 

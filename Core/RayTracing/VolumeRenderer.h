@@ -23,7 +23,8 @@ struct DepthInterval
 
 struct VolumeSettings
 {
-  /// Samples along a cell's width, up to the maximum; every ray takes at least one in each cell it crosses.
+  /// Samples along a cell's width, up to the maximum, where the transfer function varies in the cell; fewer
+  /// where little can change, but one at least for each cell or block of eight that a ray crosses.
   double samplesPerCell = 2.;
   static constexpr double maxSamplesPerCell = 1e6;
   /// Leave out nodes whose range is transparent. Never changes a pixel; off only to test that.
@@ -38,14 +39,22 @@ struct VolumeSettings
 /// What a frame did.
 struct VolumeStatistics
 {
-  std::uint64_t nodes = 0;   // inner nodes entered
-  std::uint64_t cells = 0;   // whose vertex values were computed, not found kept
-  std::uint64_t samples = 0; // of the field along rays
+  std::uint64_t rays = 0;      // that had a part of the view to themselves
+  std::uint64_t nodes = 0;     // inner nodes entered
+  std::uint64_t kept = 0;      // blocks of leaves whose vertex values were found
+  std::uint64_t blocks = 0;    // that were computed
+  std::uint64_t cells = 0;     // leaves in these
+  std::uint64_t intervals = 0; // groups of rays taken through a leaf or block
+  std::uint64_t samples = 0;   // of the field along rays
 
   VolumeStatistics& operator+=(const VolumeStatistics& other) noexcept
   {
+    rays += other.rays;
     nodes += other.nodes;
+    kept += other.kept;
+    blocks += other.blocks;
     cells += other.cells;
+    intervals += other.intervals;
     samples += other.samples;
     return *this;
   }

@@ -1,0 +1,84 @@
+// The vertex values of all children of one inner node at once: what VertexValues.h gives leaf by leaf.
+//
+// The children's vertices form a lattice of 5 x 5 x 5 points, which eight leaves share: 125 values instead of
+// 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node.
+#pragma once
+
+#include "Octree/Field.h"
+#include "Octree/TreePath.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace treeamr
+{
+
+struct BlockValues
+{
+  /// Order x + 5 y + 25 z with x, y, z in 0 to 4 half widths of a child from the node's lower corner.
+  /// Vertices that no drawn child has hold the lower end of the range.
+  std::array<float, 125> values;
+  Range range; // hull of the drawn children's vertex values
+};
+
+/// Bit v & 63 of word v >> 6: vertex v of a block.
+using BlockVertexMask = std::array<std::uint64_t, 2>;
+
+/// GTI at the vertices of the leaves among the children of an inner node, the same values bit for bit as
+/// vertexValues() gives for each. A node without leaf children is drawn from its children's means and its
+/// surroundings' (level of detail). The path must end at the inner node. Vertices that hang on coarser faces
+/// are kept while a walk stays below their node.
+class BlockEvaluator
+{
+public:
+  explicit BlockEvaluator(const Field& field)
+    : field_(field)
+    , octree_(field.octree())
+    , levels_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
+  {
+  }
+  void compute(const TreePath& path, BlockValues& block) noexcept;
+  /// The hull alone. Needs a leaf among the children.
+  Range hull(const TreePath& path) noexcept;
+
+private:
+  /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, and the vertices
+  /// that are not plain means of them.
+  struct Level
+  {
+    NodeRef node{};
+    std::uint64_t refined; // masks: inner nodes,
+    std::uint64_t coarse;  // parts of coarser leaves,
+    std::uint64_t missing; // places without a cell, or with one missing among the children that matter
+    std::array<double, 64> value;
+    std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
+    std::array<std::uint8_t, 64> childExists;
+    std::array<std::uint8_t, 64> depth; // of the coarse
+    std::uint32_t coarseEntries;        // their mask in the node's neighbourhood
+    int coarsest;                       // depth of the coarsest, or the node's own
+    BlockVertexMask hanging;            // vertices that touch the coarse
+    BlockVertexMask known;              // of
+    std::array<double, 125> special;
+  };
+
+  void gather(const TreePath& path, int depth, Level& level) const noexcept;
+  void gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept;
+  Level& levelAt(const TreePath& path, int depth) noexcept;
+  Level& withSpecial(const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept;
+  void computeSpecial(
+    const TreePath& path, int depth, const Level& level, const BlockVertexMask& wanted, double* out) noexcept;
+  double hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
+  void uniformValues(const Level& level) noexcept;
+  void evaluate(const TreePath& path) noexcept;
+  Range rangeOfDrawn() const noexcept;
+
+  const Field& field_;
+  const Octree& octree_;
+  std::vector<Level> levels_; // by depth of the inner node
+  Level byMeans_;
+  unsigned drawn_; // children whose vertices are wanted
+  std::array<double, 125> values_;
+};
+
+} // namespace treeamr
