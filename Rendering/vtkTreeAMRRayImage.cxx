@@ -65,7 +65,7 @@ bool vtkTreeAMRRaySegments::IsEmpty() const
       return false;
     }
   }
-  return true;
+  return !this->End.empty();
 }
 
 //------------------------------------------------------------------------------
@@ -82,8 +82,10 @@ std::vector<float> vtkTreeAMRRaySegments::GetLengths() const
 //------------------------------------------------------------------------------
 vtkTreeAMRRaySegments vtkTreeAMRRaySegments::Reduce(const treeamr::ImageReduction& reduction) const
 {
-  return { this->Begin.empty() ? std::vector<float>() : reduction.sample(this->Begin),
-    reduction.sample(this->End) };
+  const auto sample = [&](const std::vector<float>& values) {
+    return values.empty() ? values : reduction.sample(values);
+  };
+  return { sample(this->Begin), sample(this->End) };
 }
 
 //------------------------------------------------------------------------------

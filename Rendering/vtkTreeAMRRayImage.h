@@ -22,10 +22,11 @@ class vtkWindow;
 struct vtkTreeAMRRaySegments
 {
   std::vector<float> Begin; // empty: 0 everywhere
-  std::vector<float> End;
+  std::vector<float> End;   // empty: 1 everywhere, and then Begin is empty, too
 
+  /// Whether there is nothing to trace.
   bool IsEmpty() const;
-  /// End - Begin, at least 0.
+  /// End - Begin, at least 0; empty when End is.
   std::vector<float> GetLengths() const;
   vtkTreeAMRRaySegments Reduce(const treeamr::ImageReduction& reduction) const;
 };
@@ -34,7 +35,7 @@ struct vtkTreeAMRRayImage
 {
   treeamr::ImageReduction Reduction;
   treeamr::Image Image; // of the reduction's size, premultiplied
-  /// Of the segments of the viewport's pixels. Only for reduced images.
+  /// Of the segments of the viewport's pixels, only for reduced images; empty: all alike.
   std::vector<float> Lengths;
 };
 

@@ -48,7 +48,6 @@ struct Frame
   bool Interactive = false;
   double ImageSampleDistance = 0.;
   double LevelOfDetail = 0.;
-  std::uint64_t Rays = 0;
   treeamr::VolumeStatistics Counts;
   double RayCastingSeconds = 0.;
   double CompositingSeconds = 0.;
@@ -197,9 +196,12 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   addColumn(table, "Cells", field ? field->octree().leafCount() : 0);
   addColumn(table, "OctreeBytes", field ? field->byteSize() + field->octree().byteSize() : 0);
   addColumn(table, "KeptBytes", internals.Kept ? internals.Kept->byteSize() : 0);
-  addColumn(table, "Rays", frame.Rays);
+  addColumn(table, "Rays", frame.Counts.rays);
   addColumn(table, "Nodes", frame.Counts.nodes);
+  addColumn(table, "KeptBlocks", frame.Counts.kept);
+  addColumn(table, "ReconstructedBlocks", frame.Counts.blocks);
   addColumn(table, "ReconstructedCells", frame.Counts.cells);
+  addColumn(table, "Intervals", frame.Counts.intervals);
   addColumn(table, "Samples", frame.Counts.samples);
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
@@ -375,9 +377,8 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
       settings.levelOfDetailPixels = frame.LevelOfDetail;
       frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction,
         treeamr::Camera(clipFromData, worldFromData, reduction.width(), reduction.height()),
-        { rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.data() }, settings, *internals.Kept,
-        result.Image);
-      frame.Rays += rays.End.size();
+        { rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data() },
+        settings, *internals.Kept, result.Image);
     }
     return result;
   };
@@ -406,7 +407,13 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
     vtkTreeAMRRaySegments segments;
     {
       const Stopwatch stopwatch(frame.CompositingSeconds);
-      internals.Framebuffer.ReadDepth(renderer, viewport, segments.End);
+      std::vector<float>& end = segments.End;
+      internals.Framebuffer.ReadDepth(renderer, viewport, end);
+      // Nothing in the way: the renderer need not look at each ray's end.
+      if (std::all_of(end.begin(), end.end(), [](float depth) { return depth == 1.f; }))
+      {
+        end.clear();
+      }
     }
     const vtkTreeAMRRayImage image = trace(segments);
     const Stopwatch stopwatch(frame.CompositingSeconds);

@@ -121,8 +121,10 @@ public:
   /// integers, the rest doubles; all are 0 before the first Render().
   ///   Cells, OctreeBytes: of the field in use; octree, values, means and ranges
   ///   KeptBytes: allocated for values that are kept between frames
-  ///   Rays, Nodes, Samples: rays cast, inner nodes entered, samples along rays
-  ///   ReconstructedCells: cells whose values were computed, not found kept
+  ///   Rays, Nodes: rays cast, inner nodes entered
+  ///   KeptBlocks, ReconstructedBlocks, ReconstructedCells: blocks of cells whose vertex values were found kept
+  ///     or computed, and cells in the latter
+  ///   Intervals, Samples: groups of rays taken through a cell or block, samples along rays
   ///   ImageSampleDistance: pixels between rays
   ///   LevelOfDetail: pixels, 0 when it was off
   ///   FieldSeconds: the conversion to the field in use, when it was made (next to none when another mapper

@@ -343,7 +343,7 @@ TEST_F(InteractiveFrameTest, peelingIsOneFrame)
 {
   Scene scene;
   vtkVolume* volume = scene.addVolume(makeTestGrid(), "one", orange, extinction);
-  scene.addRectangle({ 0., 0., 0.5 }, { 0.5, 0., 0. }, { 0., 0.5, 0. }, blue, 0.5);
+  scene.addRectangle({ 0., 0., 0.5 }, { 1., 0., 0. }, { 0., 1., 0. }, blue, 0.5); // fills the view
   scene.renderer->SetUseDepthPeeling(true);
   scene.renderer->SetUseDepthPeelingForVolumes(true);
   scene.setCameraAlongZ();
@@ -368,9 +368,10 @@ TEST_F(InteractiveFrameTest, statisticsOfWhatThereIs)
   Scene scene;
   vtkSmartPointer<vtkHyperTreeGrid> grid = makeTestGrid();
   vtkVolume* volume = scene.addVolume(grid, "x", orange, extinction);
-  for (const char* name : { "Cells", "OctreeBytes", "KeptBytes", "Rays", "Nodes", "ReconstructedCells",
-         "Samples", "ImageSampleDistance", "LevelOfDetail", "FieldSeconds", "TransferFunctionSeconds",
-         "RayCastingSeconds", "CompositingSeconds" })
+  for (const char* name :
+    { "Cells", "OctreeBytes", "KeptBytes", "Rays", "Nodes", "KeptBlocks", "ReconstructedBlocks",
+      "ReconstructedCells", "Intervals", "Samples", "ImageSampleDistance", "LevelOfDetail", "FieldSeconds",
+      "TransferFunctionSeconds", "RayCastingSeconds", "CompositingSeconds" })
   {
     EXPECT_EQ(Scene::statistic(volume, name), 0.) << name;
   }
