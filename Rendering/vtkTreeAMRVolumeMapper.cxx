@@ -353,9 +353,9 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   this->UpdateField();
   this->UpdateVertexCache();
   this->UpdateTransferFunction(volume);
+  const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
   const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
   const treeamr::Matrix4 worldFromData = treeamr::worldFromData(volume);
-  const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
 
   const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
     const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
