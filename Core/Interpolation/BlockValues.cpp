@@ -59,6 +59,15 @@ struct BlockVertex
   std::array<std::uint8_t, 8> coarser{};
 };
 
+/// The slots that a node of the neighbourhood covers, and which of its children they are.
+struct BlockEntry
+{
+  std::uint8_t count = 0;
+  std::array<std::uint8_t, 8> slot{};
+  std::array<std::uint8_t, 8> octant{};
+  std::uint64_t slots = 0; // mask
+};
+
 struct BlockTables
 {
   std::array<BlockVertex, 125> vertex{};
@@ -66,7 +75,7 @@ struct BlockTables
   std::array<BlockVertexMask, 64> verticesOfSlot{};
   std::array<std::uint8_t, 64> childrenOfSlot{}; // that touch any vertex
   std::array<BlockVertexMask, 8> verticesOfChild{};
-  std::array<std::uint64_t, 27> slotsOfEntry{}; // of a neighbourhood
+  std::array<BlockEntry, 27> entry{};
   // Vertices of the node itself that touch an entry, on the lattice of its parent's children, counted from the
   // node's lower corner: all in the first word.
   std::array<std::uint64_t, 27> nodeVerticesOfEntry{};
@@ -146,8 +155,10 @@ constexpr BlockTables makeTables()
   for (int slot = 0; slot < 64; ++slot)
   {
     const std::array<int, 3> at{ slot & 3, slot >> 2 & 3, slot >> 4 };
-    t.slotsOfEntry[(at[0] + 1) / 2 + 3 * ((at[1] + 1) / 2) + 9 * ((at[2] + 1) / 2)] |= std::uint64_t(1)
-      << slot;
+    BlockEntry& e = t.entry[(at[0] + 1) / 2 + 3 * ((at[1] + 1) / 2) + 9 * ((at[2] + 1) / 2)];
+    e.octant[e.count] = static_cast<std::uint8_t>((~at[0] & 1) | (~at[1] & 1) << 1 | (~at[2] & 1) << 2);
+    e.slot[e.count++] = static_cast<std::uint8_t>(slot);
+    e.slots |= std::uint64_t(1) << slot;
   }
   for (int e = 0; e < 27; ++e)
   {
@@ -171,11 +182,6 @@ constexpr BlockTables makeTables()
 }
 
 constexpr BlockTables tables = makeTables();
-
-constexpr int octantOfSlot(int slot)
-{
-  return (~slot & 1) | (~slot >> 2 & 1) << 1 | (~slot >> 4 & 1) << 2;
-}
 
 /// Calls f<axes>().
 template <class F>
@@ -344,7 +350,7 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
   for (int e = 0; e < 27; ++e)
   {
     const NodeRef node = around[e];
-    std::uint64_t slots = tables.slotsOfEntry[e];
+    std::uint64_t slots = tables.entry[e].slots;
     if (!node.isInner())
     {
       if (node.isLeaf())
@@ -366,10 +372,19 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
       continue;
     }
     const Octree::Children children = octree_.children(node.index());
-    for (; slots != 0; slots &= slots - 1)
+    const BlockEntry& part = tables.entry[e];
+    if (children.allLeaves())
     {
-      const int slot = std::countr_zero(slots);
-      const int octant = octantOfSlot(slot);
+      for (int i = 0; i < part.count; ++i)
+      {
+        level.value[part.slot[i]] = leaves[children.firstLeaf + part.octant[i]];
+      }
+      continue;
+    }
+    for (int i = 0; i < part.count; ++i)
+    {
+      const int slot = part.slot[i];
+      const int octant = part.octant[i];
       const unsigned bit = 1u << octant;
       if (children.leaf & bit)
       {
@@ -379,7 +394,7 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
       level.value[slot] = 0.;
       if (!(children.exists & bit))
       {
-        level.missing |= slots & -slots;
+        level.missing |= std::uint64_t(1) << slot;
       }
       else if (byMeans)
       {
@@ -387,7 +402,7 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
       }
       else
       {
-        level.refined |= slots & -slots;
+        level.refined |= std::uint64_t(1) << slot;
         gatherChildren(level, slot, children.innerIndex(octant));
       }
     }

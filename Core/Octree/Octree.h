@@ -51,15 +51,12 @@ static_assert(sizeof(NodeRef) == 8);
 
 class Octree
 {
-  // std::popcount is a library call on the x86-64 baseline.
-  static constexpr std::array<std::uint8_t, 256> bitCount = [] {
-    std::array<std::uint8_t, 256> table{};
-    for (unsigned i = 0; i < table.size(); ++i)
-    {
-      table[i] = static_cast<std::uint8_t>(std::popcount(i));
-    }
-    return table;
-  }();
+  /// Of a mask of octants; std::popcount is a library call on the x86-64 baseline. Four copies of the mask, of
+  /// which a nibble's step picks each bit once.
+  static constexpr unsigned bitCount(unsigned mask) noexcept
+  {
+    return ((mask * 0x08040201u >> 3) & 0x11111111u) * 0x11111111u >> 28;
+  }
 
 public:
   static constexpr int maxDepth = 61;
@@ -81,14 +78,25 @@ public:
     std::uint64_t firstLeaf;
 
     unsigned inner() const noexcept { return exists & ~leaf; }
+    bool allLeaves() const noexcept { return leaf == 0xff; }
     /// Of a child that exists and is of this kind.
     std::uint64_t innerIndex(int octant) const noexcept
     {
-      return firstInner + bitCount[inner() & ((1u << octant) - 1)];
+      return firstInner + bitCount(inner() & ((1u << octant) - 1));
     }
     std::uint64_t leafIndex(int octant) const noexcept
     {
-      return firstLeaf + bitCount[leaf & ((1u << octant) - 1)];
+      return firstLeaf + bitCount(leaf & ((1u << octant) - 1));
+    }
+    NodeRef node(int octant, int depth) const noexcept
+    {
+      const unsigned bit = 1u << octant;
+      if (!(exists & bit))
+      {
+        return {};
+      }
+      return leaf & bit ? NodeRef(NodeKind::Leaf, depth, leafIndex(octant))
+                        : NodeRef(NodeKind::Inner, depth, innerIndex(octant));
     }
   };
   Children children(std::uint64_t inner) const noexcept
@@ -101,14 +109,7 @@ public:
   NodeRef child(NodeRef parent, int octant) const noexcept
   {
     assert(parent.isInner());
-    const Children c = children(parent.index());
-    const unsigned bit = 1u << octant;
-    if (!(c.exists & bit))
-    {
-      return {};
-    }
-    return c.leaf & bit ? NodeRef(NodeKind::Leaf, parent.depth() + 1, c.leafIndex(octant))
-                        : NodeRef(NodeKind::Inner, parent.depth() + 1, c.innerIndex(octant));
+    return children(parent.index()).node(octant, parent.depth() + 1);
   }
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.

@@ -45,28 +45,33 @@ public:
   {
     const Neighbourhood& from = around_[depth_];
     Neighbourhood& to = around_[depth_ + 1];
-    std::array<int, 3> bit;
     for (int a = 0; a < 3; ++a)
     {
-      bit[a] = octant >> a & 1;
-      index_[depth_ + 1][a] = 2 * index_[depth_][a] + bit[a];
+      index_[depth_ + 1][a] = 2 * index_[depth_][a] + (octant >> a & 1);
     }
-    // Along an axis, the child-sized places -1, 0, 1 around the child lie at bit - 1, bit, bit + 1 in the
-    // parent's half widths: parent entry (p + 2) >> 1 of 0, 1, 2 and child p & 1 of it.
-    for (int k = 0, e = 0; k < 3; ++k)
+    for (const FromParent& part : fromParents[octant])
     {
-      const int z = bit[2] + k - 1;
-      for (int j = 0; j < 3; ++j)
+      const NodeRef parent = from[part.entry];
+      if (!parent.isInner())
       {
-        const int y = bit[1] + j - 1;
-        const int row = 9 * ((z + 2) >> 1) + 3 * ((y + 2) >> 1);
-        const int rowOctant = (y & 1) << 1 | (z & 1) << 2;
-        for (int i = 0; i < 3; ++i, ++e)
+        for (int i = 0; i < part.count; ++i)
         {
-          const int x = bit[0] + i - 1;
-          const NodeRef parent = from[row + ((x + 2) >> 1)];
-          to[e] = parent.isInner() ? octree_->child(parent, rowOctant | (x & 1)) : parent;
+          to[part.to[i]] = parent;
         }
+        continue;
+      }
+      const Octree::Children children = octree_->children(parent.index());
+      if (children.allLeaves())
+      {
+        for (int i = 0; i < part.count; ++i)
+        {
+          to[part.to[i]] = NodeRef(NodeKind::Leaf, depth_ + 1, children.firstLeaf + part.octant[i]);
+        }
+        continue;
+      }
+      for (int i = 0; i < part.count; ++i)
+      {
+        to[part.to[i]] = children.node(part.octant[i], depth_ + 1);
       }
     }
     ++depth_;
@@ -74,6 +79,42 @@ public:
   void ascend() noexcept { --depth_; }
 
 private:
+  /// One of the eight parents whose children are around a child, and which.
+  struct FromParent
+  {
+    std::uint8_t entry; // in the parent's neighbourhood
+    std::uint8_t count;
+    std::array<std::uint8_t, 8> octant;
+    std::array<std::uint8_t, 8> to; // entries in the child's
+  };
+  /// By the child's octant. Along an axis, the child-sized places -1, 0, 1 around the child lie at bit - 1, bit,
+  /// bit + 1 in the parent's half widths: parent entry (p + 2) >> 1 of 0, 1, 2 and child p & 1 of it.
+  static constexpr std::array<std::array<FromParent, 8>, 8> fromParents = [] {
+    std::array<std::array<FromParent, 8>, 8> table{};
+    for (int octant = 0; octant < 8; ++octant)
+    {
+      for (int e = 0; e < 27; ++e)
+      {
+        const std::array<int, 3> place{ (octant & 1) + e % 3 - 1, (octant >> 1 & 1) + e / 3 % 3 - 1,
+          (octant >> 2) + e / 9 - 1 };
+        int entry = 0;
+        int child = 0;
+        int part = 0;
+        for (int a = 2; a >= 0; --a)
+        {
+          entry = 3 * entry + ((place[a] + 2) >> 1);
+          child = 2 * child + (place[a] & 1);
+          part = 2 * part + (place[a] == 0 || place[a] == 1);
+        }
+        FromParent& from = table[octant][part];
+        from.entry = static_cast<std::uint8_t>(entry);
+        from.octant[from.count] = static_cast<std::uint8_t>(child);
+        from.to[from.count++] = static_cast<std::uint8_t>(e);
+      }
+    }
+    return table;
+  }();
+
   const Octree* octree_;
   int depth_;
   std::array<Neighbourhood, Octree::maxDepth + 1> around_;

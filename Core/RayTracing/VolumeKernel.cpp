@@ -153,6 +153,7 @@ public:
     , evaluator_(scene.field)
     , writer_(scene.kept)
     , table_(&scene.table.entries.data()->r)
+    , tableLast_(static_cast<float>(scene.table.entries.size() - 1))
     , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
   {
   }
@@ -187,7 +188,7 @@ private:
 
   float toKernel(int axis, double data) const noexcept
   {
-    return static_cast<float>((data - scene_.reference[axis]) * scene_.scale);
+    return static_cast<float>((data - scene_.reference[axis]) * scene_.dataScale);
   }
 
   GroupMask makeRays(int x0, int y0)
@@ -259,6 +260,7 @@ private:
     HWY_ALIGN static constexpr float xs[groupRays] = { 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3 };
     HWY_ALIGN static constexpr float ys[groupRays] = { 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
     const Matrix4& m = scene_.camera.worldFromData();
+    const double toKernel = scene_.dataScale / scene_.scale; // of slopes
     for (int ray = 0; ray < tileRays; ray += lanes)
     {
       const Floats x = hn::Load(d, xs + ray % groupRays);
@@ -268,9 +270,10 @@ private:
       Floats direction[3];
       for (int a = 0; a < 3; ++a)
       {
-        const double first = fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a];
-        direction[a] = hn::MulAdd(x, hn::Set(d, static_cast<float>(fan.perX[a])),
-          hn::MulAdd(y, hn::Set(d, static_cast<float>(fan.perY[a])), hn::Set(d, static_cast<float>(first))));
+        const double first = toKernel * (fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a]);
+        direction[a] = hn::MulAdd(x, hn::Set(d, static_cast<float>(toKernel * fan.perX[a])),
+          hn::MulAdd(y, hn::Set(d, static_cast<float>(toKernel * fan.perY[a])),
+            hn::Set(d, static_cast<float>(first))));
         hn::Store(direction[a], d, direction_[a] + ray);
         hn::Store(hn::Div(hn::Set(d, 1.f), awayFromZero(direction[a])), d, inverse_[a] + ray);
       }
@@ -280,7 +283,7 @@ private:
         Floats w = hn::Zero(d);
         for (int a = 0; a < 3; ++a)
         {
-          w = hn::MulAdd(hn::Set(d, static_cast<float>(m[4 * r + a])), direction[a], w);
+          w = hn::MulAdd(hn::Set(d, static_cast<float>(m[4 * r + a] / toKernel)), direction[a], w);
         }
         squared = hn::MulAdd(w, w, squared);
       }
@@ -306,7 +309,7 @@ private:
     for (int a = 0; a < 3; ++a)
     {
       constexpr float tiny = 1e-20f;
-      const auto slope = static_cast<float>(ray.direction[a]);
+      const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
       direction_[a][r] = slope;
       inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
       origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
@@ -461,7 +464,7 @@ private:
       {
         if (!hasValues)
         {
-          if (!find(node, block))
+          if (!find(node, childBox.max[0] - childBox.min[0], block))
           {
             wanted &= ~children.leaf;
             continue;
@@ -558,13 +561,14 @@ private:
     const float* exact; // null unless steps are too coarse
     ToTable toTable;
     float variation; // of the extinction over the block's hull, per kernel unit
+    bool preIntegrate;
   };
 
-  /// Whether values in steps would make steps in the picture, too.
-  static bool isCoarse(const ToTable& t) { return !(t.scale < 0.25f); }
+  /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
+  bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * tableLast_); }
 
   /// False when nothing of it is visible. The path's neighbourhoods are only needed when values are computed.
-  bool find(std::uint64_t node, Block& block)
+  bool find(std::uint64_t node, double leafWidth, Block& block)
   {
     const VertexCache::Found found = scene_.kept.find(node);
     Range range = found.range;
@@ -594,10 +598,16 @@ private:
     const double width = static_cast<double>(range.max) - range.min;
     block.toTable = { static_cast<float>(width * tf.scale() / BlockRecord::steps), static_cast<float>(offset),
       static_cast<float>(first), static_cast<float>(last) };
-    const std::vector<double>& variation = scene_.table.variation;
-    block.variation =
-      static_cast<float>(variation[std::min(static_cast<std::size_t>(last) + 1, variation.size() - 1)] -
-        variation[static_cast<std::size_t>(first)]);
+    const KernelTable& table = scene_.table;
+    const auto firstEntry = static_cast<std::size_t>(first);
+    const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
+    const double variation = table.variation[lastEntry] - table.variation[firstEntry];
+    block.variation = static_cast<float>(variation);
+    block.preIntegrate = scene_.features.preIntegration &&
+      pointSampleError(
+        scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
+          leafWidth >
+        pointSampleTolerance;
     if (!found.record)
     {
       record_ = BlockRecord(values_);
@@ -635,7 +645,7 @@ private:
   void visitBlock(std::uint64_t node, const Box& box, GroupMask active)
   {
     Block block;
-    if (find(node, block))
+    if (find(node, 0.5 * (box.max[0] - box.min[0]), block))
     {
       integrate(block, box, Lattice(box), active);
     }
@@ -651,7 +661,7 @@ private:
     const float value = scene_.field.leafValues()[0];
     const auto position = static_cast<float>(scene_.transferFunction.position(value));
     record_ = {};
-    integrate({ record_.values.data(), nullptr, { 0.f, position, position, position }, 0.f }, box,
+    integrate({ record_.values.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
       Lattice(box), active);
   }
 
@@ -676,7 +686,8 @@ private:
       const int group = std::countr_zero(active);
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
       {
-        integrate(values, block, box, lattice, ray);
+        block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
+                           : integrate<false>(values, block, box, lattice, ray);
       }
     }
   }
@@ -709,8 +720,29 @@ private:
     return hn::Min(hn::Max(position, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
   }
 
-  /// Midpoint samples of the rays from `ray` on through a box.
-  template <class Values>
+  /// Mean of extinction and extinction times colour over the table between two positions.
+  HWY_INLINE void integral(Floats low, Floats high, Floats (&mean)[4]) const
+  {
+    const FloatTag d;
+    const IntTag di;
+    const Ints first = hn::NearestInt(low);
+    const Ints end = hn::Add(hn::NearestInt(high), hn::Set(di, 1));
+    const Floats perEntry = hn::Div(hn::Set(d, 1.f), hn::ConvertTo(d, hn::Sub(end, first)));
+    const float* table = scene_.table.integrals.data()->sum;
+    const Ints from = hn::ShiftLeft<3>(first); // rows of eight floats
+    const Ints to = hn::ShiftLeft<3>(end);
+    for (int c = 0; c < 4; ++c)
+    {
+      const Floats sum = hn::Sub(hn::GatherIndex(d, table + c, to), hn::GatherIndex(d, table + c, from));
+      const Floats rest =
+        hn::Sub(hn::GatherIndex(d, table + 4 + c, to), hn::GatherIndex(d, table + 4 + c, from));
+      mean[c] = hn::Mul(hn::Add(sum, rest), perEntry);
+    }
+  }
+
+  /// Takes the rays from `ray` on through a box: by midpoint samples, or by the transfer function's integrals
+  /// over what the field covers in each step.
+  template <bool PreIntegrated, class Values>
   HWY_INLINE void integrate(
     const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
   {
@@ -762,26 +794,53 @@ private:
     Floats red = hn::Load(d, red_ + ray);
     Floats green = hn::Load(d, green_ + ray);
     Floats blue = hn::Load(d, blue_ + ray);
-    for (float i = 0.5f; i < mostSamples; i += 1.f)
-    {
+    const auto positionAt = [&](float i) {
       const Floats along = hn::Mul(hn::Set(d, i), step);
-      const Mask live = hn::Lt(along, length);
-      statistics_.samples += hn::CountTrue(d, live);
       const Floats at[3] = { hn::MulAdd(along, slope[0], start[0]), hn::MulAdd(along, slope[1], start[1]),
         hn::MulAdd(along, slope[2], start[2]) };
-      const Ints entry =
-        hn::ShiftLeft<2>(hn::NearestInt(sample(at, values, block.toTable, lattice))); // of four floats
-      const Floats extinction = hn::IfThenElseZero(live, hn::GatherIndex(d, table_ + 3, entry));
-      if (hn::AllTrue(d, hn::Eq(extinction, hn::Zero(d))))
+      return sample(at, values, block.toTable, lattice);
+    };
+    Floats before = PreIntegrated ? positionAt(0.f) : hn::Zero(d);
+    for (float i = 0.f; i < mostSamples; i += 1.f)
+    {
+      const Mask live = hn::Lt(hn::Set(d, i), hn::IfThenElseZero(crosses, samples));
+      statistics_.samples += hn::CountTrue(d, live);
+      if constexpr (PreIntegrated)
       {
-        continue;
+        // Of the change over the step, about the value in its middle: that follows a bent field.
+        const Floats after = positionAt(i + 1.f);
+        const Floats middle = positionAt(i + 0.5f);
+        const Floats half = hn::Mul(hn::Abs(hn::Sub(after, before)), hn::Set(d, 0.5f));
+        Floats mean[4];
+        integral(hn::Max(hn::Sub(middle, half), hn::Set(d, block.toTable.first)),
+          hn::Min(hn::Add(middle, half), hn::Set(d, block.toTable.last)), mean);
+        before = after;
+        const Floats extinction = hn::IfThenElseZero(live, mean[3]);
+        const Floats passes =
+          exp2(hn::Mul(extinction, hn::Mul(depthPerExtinction, hn::Set(d, -1.44269504f))));
+        // Of the light that the step holds back; none where there is no extinction.
+        const Floats weight = hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)),
+          hn::Div(hn::NegMulAdd(transmittance, passes, transmittance), extinction));
+        red = hn::MulAdd(weight, mean[0], red);
+        green = hn::MulAdd(weight, mean[1], green);
+        blue = hn::MulAdd(weight, mean[2], blue);
+        transmittance = hn::Mul(transmittance, passes);
       }
-      const Floats passes = exp2(hn::Neg(hn::Mul(extinction, depthPerExtinction)));
-      const Floats weight = hn::NegMulAdd(transmittance, passes, transmittance);
-      red = hn::MulAdd(weight, hn::GatherIndex(d, table_, entry), red);
-      green = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 1, entry), green);
-      blue = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 2, entry), blue);
-      transmittance = hn::Mul(transmittance, passes);
+      else
+      {
+        const Ints entry = hn::ShiftLeft<2>(hn::NearestInt(positionAt(i + 0.5f))); // of four floats
+        const Floats extinction = hn::IfThenElseZero(live, hn::GatherIndex(d, table_ + 3, entry));
+        if (hn::AllTrue(d, hn::Eq(extinction, hn::Zero(d))))
+        {
+          continue;
+        }
+        const Floats passes = exp2(hn::Neg(hn::Mul(extinction, depthPerExtinction)));
+        const Floats weight = hn::NegMulAdd(transmittance, passes, transmittance);
+        red = hn::MulAdd(weight, hn::GatherIndex(d, table_, entry), red);
+        green = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 1, entry), green);
+        blue = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 2, entry), blue);
+        transmittance = hn::Mul(transmittance, passes);
+      }
     }
     hn::Store(transmittance, d, transmittance_ + ray);
     hn::Store(red, d, red_ + ray);
@@ -798,6 +857,7 @@ private:
   BlockEvaluator evaluator_;
   VertexCache::Writer writer_;
   const float* table_;
+  float tableLast_;
   float samplesPerCell_;
   BlockValues values_; // computed last
   BlockRecord record_;

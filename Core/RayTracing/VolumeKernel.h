@@ -4,27 +4,41 @@
 #include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeRenderer.h"
 
+#include <algorithm>
+
 namespace treeamr
 {
 
-/// What a frame needs beyond the common case. Chosen once; each combination is compiled apart.
+/// What a frame needs beyond the common case, chosen once: what is absent costs nothing.
 struct SceneFeatures
 {
-  bool commonOrigin = true; // all rays start at one point
+  bool commonOrigin = true;    // all rays start at one point; compiled apart
+  bool preIntegration = false; // some cell may vary more than point samples can follow
 };
 
-/// The transfer function for the kernel: nearest entry, extinctions in binary orders of magnitude of light per
-/// kernel unit.
+/// The transfer function for the kernel, by entry, with extinctions per kernel unit.
 struct KernelTable
 {
+  /// For point samples: the nearest entry, its extinction in binary orders of magnitude.
   std::vector<TransferFunction::Entry> entries;
-  /// Total variation of extinction, and of extinction times colour, before each entry, natural logarithm: the
-  /// larger of them, per kernel unit.
+  /// Sums over the entries before each one of what changes from entry to entry: of the extinction or its product
+  /// with a colour, whichever changes most.
   std::vector<double> variation;
+  /// The same for the changes of these changes.
+  std::vector<double> curvature;
+  /// For pre-integration: sums of extinction and extinction times colour over the entries before each one,
+  /// extinction last as in Entry, in two floats each: the sums, and what rounding left of them. One row more than
+  /// entries.
+  struct Integral
+  {
+    float sum[4];
+    float rest[4];
+  };
+  std::vector<Integral> integrals;
 };
 
-/// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, so
-/// that neither offsets nor units cost it digits.
+/// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, both as
+/// a length on the central ray and in data coordinates, so that neither offsets nor units cost it digits.
 struct VolumeKernelScene
 {
   const Field& field;
@@ -38,13 +52,26 @@ struct VolumeKernelScene
   SceneFeatures features;
   Vec3 reference;    // data coordinates; the eye when all rays start there
   double tReference; // t that the kernel counts from
-  double scale;      // kernel units per unit of world length and of data coordinates
-  PixelFan fan;      // in data coordinates; common origin only
+  double scale;      // kernel units per unit of world length
+  double dataScale;  // and of data coordinates
+  PixelFan fan;      // common origin only
   KernelTable table;
-  /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
+  /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth. For level of detail only.
   double pixelWidth;
   double pixelGrowth;
 };
+
+/// Of the optical depth along one width of a leaf, when its part of the table is only sampled at points: what
+/// lies between samples is missed, at most the whole variation; a smooth function errs by its bend over the
+/// square of the samples. Per kernel unit of the leaf's width; `entries` of the table lie in its hull.
+inline double pointSampleError(
+  const VolumeKernelScene& scene, double variation, double curvature, double entries) noexcept
+{
+  const double samples = std::max(1., scene.settings.samplesPerCell);
+  return std::min(variation, curvature * entries / 8.) / (samples * samples);
+}
+/// Above it the samples' intervals are integrated.
+constexpr double pointSampleTolerance = 0.2;
 
 constexpr int volumeTileWidth = 16;
 

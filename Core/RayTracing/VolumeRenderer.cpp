@@ -56,7 +56,7 @@ void place(VolumeKernelScene& scene)
   const Camera& camera = scene.camera;
   const Bounds domain = scene.field.octree().grid().bounds();
   const Ray central = camera.ray(camera.width() / 2, camera.height() / 2);
-  double diagonal = 0.; // in t: a length along the central ray's scale
+  double diagonal = 0.; // squared in data coordinates, then in t: a length along the central ray's scale
   double toCentre = 0.;
   double squared = 0.;
   for (int a = 0; a < 3; ++a)
@@ -65,6 +65,7 @@ void place(VolumeKernelScene& scene)
     toCentre += (0.5 * (domain.min[a] + domain.max[a]) - central.origin[a]) * central.direction[a];
     squared += std::pow(central.direction[a], 2);
   }
+  scene.dataScale = 1. / std::sqrt(diagonal);
   diagonal = std::sqrt(diagonal / squared);
   toCentre /= squared;
   // Far away (narrow angles), counting from the eye would leave the domain to the last digits.
@@ -97,32 +98,73 @@ void measurePixels(VolumeKernelScene& scene)
     origins += std::pow(b.origin[i] - a.origin[i], 2);
     directions += std::pow(b.direction[i] - a.direction[i], 2);
   }
-  scene.pixelGrowth = std::sqrt(directions);
-  scene.pixelWidth = (std::sqrt(origins) + scene.tReference * scene.pixelGrowth) * scene.scale;
+  const double growth = scene.dataScale * std::sqrt(directions); // per t
+  scene.pixelWidth = scene.dataScale * std::sqrt(origins) + scene.tReference * growth;
+  scene.pixelGrowth = growth / scene.scale;
+}
+
+/// Width of a leaf of a level in kernel units; of the mean root where these differ.
+double leafWidth(const VolumeKernelScene& scene, int level)
+{
+  const RootGrid& grid = scene.field.octree().grid();
+  const Bounds domain = grid.bounds();
+  double width = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    width = std::max(width, (domain.max[a] - domain.min[a]) / grid.roots()[a]);
+  }
+  return std::ldexp(width * scene.dataScale, -level);
 }
 
 void fillTable(VolumeKernelScene& scene)
 {
+  const std::vector<TransferFunction::Entry>& entries = scene.transferFunction.entries();
+  const std::size_t size = entries.size();
+  // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
+  const double opaque = 1e6 / leafWidth(scene, scene.field.octree().leafLevels());
+  std::vector<std::array<double, 4>> terms(size);
   KernelTable& table = scene.table;
-  table.entries = scene.transferFunction.entries();
-  table.variation.resize(table.entries.size());
-  double variation = 0.;
-  for (std::size_t i = 0; i < table.entries.size(); ++i)
+  table.entries = entries;
+  for (std::size_t i = 0; i < size; ++i)
   {
-    TransferFunction::Entry& e = table.entries[i];
-    const double perUnit = std::min<double>(e.extinction / scene.scale, TransferFunction::opaqueExtinction);
-    if (i > 0)
+    const TransferFunction::Entry& e = entries[i];
+    const double perUnit = e.extinction / scene.scale;
+    table.entries[i].extinction =
+      static_cast<float>(std::min<double>(perUnit * std::numbers::log2e, TransferFunction::opaqueExtinction));
+    const double capped = std::min(perUnit, opaque);
+    terms[i] = { capped * e.r, capped * e.g, capped * e.b, capped };
+  }
+  table.variation.assign(size, 0.);
+  table.curvature.assign(size, 0.);
+  for (std::size_t i = 1; i < size; ++i)
+  {
+    double change = 0.;
+    double bend = 0.;
+    for (int c = 0; c < 4; ++c)
     {
-      const TransferFunction::Entry& before = scene.transferFunction.entries()[i - 1];
-      const double perUnitBefore =
-        std::min<double>(before.extinction / scene.scale, TransferFunction::opaqueExtinction);
-      variation +=
-        std::max({ std::abs(perUnit - perUnitBefore), std::abs(perUnit * e.r - perUnitBefore * before.r),
-          std::abs(perUnit * e.g - perUnitBefore * before.g),
-          std::abs(perUnit * e.b - perUnitBefore * before.b) });
+      change = std::max(change, std::abs(terms[i][c] - terms[i - 1][c]));
+      bend =
+        i + 1 < size ? std::max(bend, std::abs(terms[i + 1][c] - 2. * terms[i][c] + terms[i - 1][c])) : 0.;
     }
-    table.variation[i] = variation;
-    e.extinction = static_cast<float>(perUnit * std::numbers::log2e);
+    table.variation[i] = table.variation[i - 1] + change;
+    table.curvature[i] = table.curvature[i - 1] + bend;
+  }
+  const double error =
+    pointSampleError(scene, table.variation.back(), table.curvature.back(), static_cast<double>(size - 1));
+  scene.features.preIntegration = error * leafWidth(scene, 0) > pointSampleTolerance;
+  if (scene.features.preIntegration)
+  {
+    table.integrals.resize(size + 1);
+    std::array<double, 4> sum{};
+    for (std::size_t i = 0; i <= size; ++i)
+    {
+      for (int c = 0; c < 4; ++c)
+      {
+        table.integrals[i].sum[c] = static_cast<float>(sum[c]);
+        table.integrals[i].rest[c] = static_cast<float>(sum[c] - table.integrals[i].sum[c]);
+        sum[c] += i < size ? terms[i][c] : 0.;
+      }
+    }
   }
 }
 
@@ -138,7 +180,7 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image);
   }
   VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, 0., 1.,
-    {}, {}, 0., 0. };
+    1., {}, {}, 0., 0. };
   place(scene);
   if (settings.levelOfDetailPixels > 0.)
   {

@@ -21,9 +21,9 @@ namespace
 constexpr int width = 61;
 constexpr int height = 53;
 
-std::shared_ptr<const Field> makeField(const RandomTree& options, const RootGrid& grid)
+std::shared_ptr<const Field> makeField(std::vector<LeafCell> cells, const RootGrid& grid)
 {
-  auto built = buildOctree(grid, makeRandomTree(options));
+  auto built = buildOctree(grid, std::move(cells));
   auto field = std::make_shared<Field>(built.octree, built.values);
   field->computeNodeRanges();
   return field;
@@ -31,7 +31,7 @@ std::shared_ptr<const Field> makeField(const RandomTree& options, const RootGrid
 
 std::shared_ptr<const Field> makeField(const RandomTree& options)
 {
-  return makeField(options, RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }));
+  return makeField(makeRandomTree(options), RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }));
 }
 
 /// Smooth, and fine enough that reading the nearest entry is as good as interpolating.
@@ -45,6 +45,13 @@ TransferFunction smooth()
     entries.push_back({ u, 1.f - u, 0.5f, 30.f * rise * rise });
   }
   return TransferFunction(-1., 1., entries);
+}
+
+/// Two roots along each axis, waves with empty space between them.
+std::shared_ptr<const Field> makeWaves(std::vector<LeafCell> cells)
+{
+  setValues(cells, [](const auto& p) { return std::sin(3. * p[0] + p[1]) * std::cos(2. * p[2]); });
+  return makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
 }
 
 struct View
@@ -143,7 +150,7 @@ TEST(VolumeKernel, TargetsAgree)
 
 TEST(VolumeKernel, SkippingNeverChangesABitOnAnyTarget)
 {
-  const auto field = makeField({ 31, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  const auto field = makeWaves(makeRandomTree({ 31, { 2, 2, 2 }, 5, 0.6, 0.1, false }));
   for (const View& view : views())
   {
     const Camera camera(view.clip, identityMatrix, width, height);
@@ -160,47 +167,64 @@ TEST(VolumeKernel, SkippingNeverChangesABitOnAnyTarget)
   }
 }
 
+namespace
+{
+
+/// Of the table of nodes, and of one chunk of blocks more.
+std::size_t smallestBudget(const Octree& octree)
+{
+  return octree.innerCount() * 4 + 256 * VertexCache::blockBytes;
+}
+
+} // namespace
+
 TEST(VolumeKernel, KeptValuesNeverChangeABit)
 {
   const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
-  const std::uint64_t leaves = field->octree().leafCount();
-  VertexCache none(leaves, 0);
-  VertexCache one(leaves, 4 * leaves + 128 * 1024);
-  VertexCache all(leaves, VolumeSettings::defaultKeptBytes);
+  const Octree& octree = field->octree();
+  VertexCache none(octree, 0);
+  VertexCache one(octree, smallestBudget(octree));
+  VertexCache all(octree, VolumeSettings::defaultKeptBytes);
   Image images[]{ { width, height }, { width, height }, { width, height }, { width, height } };
-  const auto computed = renderVolume(*field, smooth(), camera, {}, {}, none, images[0]).cells;
+  const auto computed = renderVolume(*field, smooth(), camera, {}, {}, none, images[0]).blocks;
   renderVolume(*field, smooth(), camera, {}, {}, one, images[1]);
-  const auto first = renderVolume(*field, smooth(), camera, {}, {}, all, images[2]).cells;
-  const auto second = renderVolume(*field, smooth(), camera, {}, {}, all, images[3]).cells;
+  const auto first = renderVolume(*field, smooth(), camera, {}, {}, all, images[2]).blocks;
+  const auto second = renderVolume(*field, smooth(), camera, {}, {}, all, images[3]);
   for (const Image& image : images)
   {
     EXPECT_EQ(image.rgba, images[0].rgba);
   }
   EXPECT_LE(first, computed);
   EXPECT_GT(first, 100u);
-  EXPECT_EQ(second, 0u);
+  EXPECT_EQ(second.blocks, 0u);
+  EXPECT_EQ(second.cells, 0u);
+  EXPECT_GT(second.kept, 100u);
   EXPECT_EQ(none.byteSize(), 0u);
-  EXPECT_LE(one.byteSize(), 4 * leaves + 128 * 1024 + 1024);
-  EXPECT_GE(all.byteSize(), first * sizeof(VertexRecord));
+  EXPECT_LE(one.byteSize(), smallestBudget(octree) + 1024);
+  EXPECT_GE(all.byteSize(), first * VertexCache::blockBytes);
 }
 
 TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
 {
   const auto field = makeField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
-  const std::uint64_t leaves = field->octree().leafCount();
-  ASSERT_GT(leaves, 1100u);
-  VertexCache kept(leaves, 4 * leaves + 128 * 1024);
+  const Octree& octree = field->octree();
+  ASSERT_GT(octree.innerCount(), 400u);
+  VertexCache kept(octree, smallestBudget(octree));
   const std::size_t before = kept.byteSize();
+  // Each view twice: what was kept for one gives way to the next.
   for (const View& view : views())
   {
-    const Camera camera(view.clip, identityMatrix, width, height);
-    Image image(width, height);
-    Image expected(width, height);
-    renderVolume(*field, smooth(), camera, {}, {}, kept, image);
-    renderVolume(*field, smooth(), camera, {}, {}, expected);
-    EXPECT_EQ(image.rgba, expected.rgba) << view.name;
-    EXPECT_LE(kept.byteSize(), before + 1024 * sizeof(VertexRecord));
+    for (int repeat = 0; repeat < 3; ++repeat)
+    {
+      const Camera camera(view.clip, identityMatrix, width, height);
+      Image image(width, height);
+      Image expected(width, height);
+      renderVolume(*field, smooth(), camera, {}, {}, kept, image);
+      renderVolume(*field, smooth(), camera, {}, {}, expected);
+      EXPECT_EQ(image.rgba, expected.rgba) << view.name;
+      EXPECT_LE(kept.byteSize(), before + 256 * VertexCache::blockBytes);
+    }
   }
 }
 
@@ -220,8 +244,8 @@ TEST(VolumeKernel, UnitsAndOffsetsDoNotMatter)
       -offset / size, 0, 0, 0, 1 };
     const Camera placed(multiply(views().front().clip, toUnit), toUnit, width, height);
     Image image(width, height);
-    renderVolume(
-      *makeField(options, RootGrid::uniform({ 2, 2, 2 }, { offset, offset, offset }, { size, size, size })),
+    renderVolume(*makeField(makeRandomTree(options),
+                   RootGrid::uniform({ 2, 2, 2 }, { offset, offset, offset }, { size, size, size })),
       smooth(), placed, {}, settings, image);
     EXPECT_LT(largestDifference(image, expected), 1e-3f) << size;
   }
@@ -248,4 +272,111 @@ TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
   {
     EXPECT_TRUE(std::isfinite(c));
   }
+}
+
+TEST(VolumeKernel, SpikesNarrowerThanAnyStepAreIntegrated)
+{
+  // The field is z, linear but for the outermost half cells. A spike of one entry holds back as much light
+  // wherever it falls between samples.
+  auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
+  setValues(cells, [](const auto& p) { return p[2]; });
+  const auto field =
+    makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  const Camera camera(views().back().clip, identityMatrix, width, height);
+  ASSERT_STREQ(views().back().name, "along an axis");
+  constexpr int size = 4096;
+  constexpr double depth = 0.7; // of the whole spike
+  for (int at = 700; at < 3400; at += 123)
+  {
+    std::vector<TransferFunction::Entry> entries(size, { 0.f, 0.f, 0.f, 0.f });
+    entries[at] = { 1.f, 0.5f, 0.25f, static_cast<float>(depth * (size - 1) / 2.) };
+    Image image(width, height);
+    renderVolume(*field, TransferFunction(0., 2., entries), camera, {}, {}, image);
+    const float* middle = image.rgba.data() + 4 * (width * (height / 2) + width / 2);
+    // The interval of values is rounded to whole entries.
+    EXPECT_NEAR(middle[3], 1. - std::exp(-depth), 0.01) << at;
+    EXPECT_NEAR(middle[0], middle[3], 1e-5) << at;
+    EXPECT_NEAR(middle[1], 0.5 * middle[3], 1e-5) << at;
+  }
+}
+
+TEST(VolumeKernel, OpaqueEntriesLeaveTheOthersTheirDigits)
+{
+  // Opaque values below and above those that are seen: sums over the table must not lose what lies between.
+  auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
+  setValues(cells, [](const auto& p) { return 0.5 + 0.5 * p[2]; });
+  const auto field =
+    makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  const Camera camera(views().back().clip, identityMatrix, width, height);
+  std::vector<TransferFunction::Entry> entries(4096, { 1.f, 1.f, 1.f, 0.f });
+  for (std::size_t i = 0; i < entries.size(); ++i)
+  {
+    const double u = 2. * static_cast<double>(i) / 4095.;
+    entries[i].extinction = u < 0.4 || u > 1.6 ? TransferFunction::opaqueExtinction
+                                               : static_cast<float>(30. * std::pow(std::sin(90. * u), 2));
+  }
+  const TransferFunction transferFunction(0., 2., entries);
+  Image image(width, height);
+  renderVolume(*field, transferFunction, camera, {}, {}, image);
+  VolumeSettings fine;
+  fine.samplesPerCell = 4096.;
+  Image expected(width, height);
+  renderVolumeReference(*field, transferFunction, camera, {}, fine, expected);
+  EXPECT_LT(largestDifference(image, expected), 2e-3f);
+}
+
+TEST(VolumeKernel, AHullFarWiderThanTheTableKeepsItsDigits)
+{
+  // Steps of a hull of a million would be coarser than all of the table.
+  auto cells = makeRandomTree({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
+  for (std::size_t i = 0; i < cells.size(); i += 50)
+  {
+    cells[i].value = 1e6f;
+  }
+  const auto field =
+    makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  const Camera camera(views().front().clip, identityMatrix, width, height);
+  VolumeSettings settings;
+  settings.samplesPerCell = 512.;
+  Image expected(width, height);
+  renderVolumeReference(*field, smooth(), camera, {}, settings, expected);
+  forEachTarget([&](const char* target) {
+    Image image(width, height);
+    renderVolume(*field, smooth(), camera, {}, settings, image);
+    EXPECT_LT(largestDifference(image, expected), 4e-3f) << target;
+  });
+}
+
+TEST(VolumeKernel, LevelOfDetailTakesLessAndKeepsTheFieldsMean)
+{
+  std::vector<LeafCell> cells;
+  for (Coord i = 0; i < 64 * 64 * 64; ++i)
+  {
+    cells.push_back({ { { i % 64, i / 64 % 64, i / 4096 }, 5 }, 0.f });
+  }
+  const auto field = makeWaves(std::move(cells));
+  const Camera camera(views().front().clip, identityMatrix, width, height);
+  Image full(width, height);
+  Image draft(width, height);
+  VolumeSettings settings;
+  const auto all = renderVolume(*field, smooth(), camera, {}, settings, full);
+  settings.levelOfDetailPixels = 1e-3; // no node is that small
+  const auto same = renderVolume(*field, smooth(), camera, {}, settings, draft);
+  EXPECT_EQ(draft.rgba, full.rgba);
+  EXPECT_EQ(same.samples, all.samples);
+  settings.levelOfDetailPixels = 2.5;
+  const auto less = renderVolume(*field, smooth(), camera, {}, settings, draft);
+  EXPECT_LT(less.nodes, all.nodes / 2);
+  EXPECT_LT(less.samples, all.samples);
+  double sum = 0.;
+  double squared = 0.;
+  for (std::size_t i = 0; i < full.rgba.size(); ++i)
+  {
+    sum += full.rgba[i];
+    squared += std::pow(full.rgba[i] - draft.rgba[i], 2);
+  }
+  const auto size = static_cast<double>(full.rgba.size());
+  EXPECT_GT(sum / size, 0.03);
+  EXPECT_LT(std::sqrt(squared / size), 0.01);
+  EXPECT_GT(squared, 0.);
 }
