@@ -356,7 +356,6 @@ double latticeValue(const Level& level, const BlockVertex& b) noexcept
 void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const noexcept
 {
   const Neighbourhood& around = path.around(depth);
-  // Without leaf children, whatever is refined stands for itself by its mean.
   const bool byMeans = &level == &byMeans_;
   const float* leaves = field_.leafValues().data();
   level.node = around[13];
@@ -424,19 +423,18 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
         level.value[slot] = leaves[children.leafIndex(octant)];
         continue;
       }
-      level.value[slot] = 0.;
       if (!(children.exists & bit))
       {
+        level.value[slot] = 0.;
         level.missing |= std::uint64_t(1) << slot;
+        continue;
       }
-      else if (byMeans)
-      {
-        level.value[slot] = field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
-      }
-      else
+      const std::uint64_t inner = children.innerIndex(octant);
+      level.value[slot] = field_.value({ NodeKind::Inner, 0, inner });
+      if (!byMeans)
       {
         level.refined |= std::uint64_t(1) << slot;
-        level.children[slot] = octree_.children(children.innerIndex(octant));
+        level.children[slot] = octree_.children(inner);
         prefetch(leaves + level.children[slot].firstLeaf);
         refinedSlots[refinedCount++] = static_cast<std::uint8_t>(slot);
       }
@@ -640,18 +638,19 @@ double BlockEvaluator::hangingDeep(const TreePath& path, int depth, const Level&
   return sum;
 }
 
-void BlockEvaluator::evaluate(const TreePath& path) noexcept
+void BlockEvaluator::evaluate(const TreePath& path, BlockCells cells) noexcept
 {
   const int depth = path.depth();
   const Octree::Children own = octree_.children(path.node().index());
-  drawn_ = own.leaf != 0 ? own.leaf : own.exists;
   Level* level = &byMeans_;
-  if (own.leaf != 0)
+  if (cells == BlockCells::Leaves)
   {
+    drawn_ = own.leaf;
     level = &levelAt(path, depth);
   }
   else
   {
+    drawn_ = own.exists;
     gather(path, depth, byMeans_);
   }
   uniformValues(*level);
@@ -696,6 +695,12 @@ Range BlockEvaluator::rangeOfDrawn() const noexcept
 Range BlockEvaluator::bounds(const TreePath& path) noexcept
 {
   const Level& level = levelAt(path, path.depth());
+  if (level.coarsest < path.depth())
+  {
+    // Vertices may depend on cells that are not around the node.
+    evaluate(path, BlockCells::Leaves);
+    return rangeOfDrawn();
+  }
   if ((level.refined | level.coarse | level.missing) == 0)
   {
     drawn_ = 0xff;
@@ -708,7 +713,8 @@ Range BlockEvaluator::bounds(const TreePath& path) noexcept
     low = value < low ? value : low;
     high = value > high ? value : high;
   };
-  for (std::uint64_t slots = ~(level.refined | level.coarse | level.missing); slots != 0; slots &= slots - 1)
+  // Of refined ones the means: vertices of the node's own level see these.
+  for (std::uint64_t slots = ~level.coarse & (level.refined | ~level.missing); slots != 0; slots &= slots - 1)
   {
     add(level.value[std::countr_zero(slots)]);
   }
@@ -729,9 +735,9 @@ Range BlockEvaluator::bounds(const TreePath& path) noexcept
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
-void BlockEvaluator::compute(const TreePath& path, BlockValues& block) noexcept
+void BlockEvaluator::compute(const TreePath& path, BlockCells cells, BlockValues& block) noexcept
 {
-  evaluate(path);
+  evaluate(path, cells);
   block.range = rangeOfDrawn();
   if (drawn_ == 0xff)
   {

@@ -25,10 +25,15 @@ struct BlockValues
 /// Bit v & 63 of word v >> 6: vertex v of a block.
 using BlockVertexMask = std::array<std::uint64_t, 2>;
 
-/// GTI at the vertices of the leaves among the children of an inner node, the same values bit for bit as
-/// vertexValues() gives for each. A node without leaf children is drawn from its children's means and its
-/// surroundings' (level of detail). The path must end at the inner node. Vertices that hang on coarser faces
-/// are kept while a walk stays below their node.
+enum class BlockCells
+{
+  Leaves, // the leaves among the children
+  Means   // all children, refined ones and their like around by their means: level of detail
+};
+
+/// GTI at the vertices of the children of an inner node, for leaves the same values bit for bit as
+/// vertexValues() gives for each. The path must end at the inner node. Vertices that hang on coarser faces are
+/// kept while a walk stays below their node.
 class BlockEvaluator
 {
 public:
@@ -38,7 +43,8 @@ public:
     , levels_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
   {
   }
-  void compute(const TreePath& path, BlockValues& block) noexcept;
+  /// Needs a drawn child.
+  void compute(const TreePath& path, BlockCells cells, BlockValues& block) noexcept;
   /// Contains the hull of a node with leaves among its children, for a fraction of the time: the hull where all
   /// cells around are of one size, otherwise that of the values that take part.
   Range bounds(const TreePath& path) noexcept;
@@ -75,7 +81,7 @@ private:
     const TreePath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
   double hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
   void uniformValues(const Level& level) noexcept;
-  void evaluate(const TreePath& path) noexcept;
+  void evaluate(const TreePath& path, BlockCells cells) noexcept;
   Range rangeOfDrawn() const noexcept;
 
   const Field& field_;

@@ -31,21 +31,22 @@ VertexCache::VertexCache(const Octree& octree, std::size_t budgetBytes)
   const std::size_t wanted = 2 * (nodes / chunkRecords + 64);
   const std::size_t addressable = std::numeric_limits<std::uint32_t>::max() / chunkRecords;
   const std::size_t chunks = std::min({ (budgetBytes - tableBytes) / sizeof(Chunk), wanted, addressable });
-  slots_ = std::vector<std::atomic<std::uint32_t>>(nodes);
+  slots_ = Slots(nodes);
   chunks_ = std::vector<std::atomic<Chunk*>>(chunks);
   storage_.resize(chunks);
+  chunkLimit_ = static_cast<std::uint32_t>(chunks);
 }
 
 std::uint32_t VertexCache::addChunk()
 {
   // The load keeps a full cache from counting on for ever.
-  if (usedChunks_.load(std::memory_order_relaxed) >= chunks_.size())
+  if (usedChunks_.load(std::memory_order_relaxed) >= chunkLimit_)
   {
     overflowed_.store(true, std::memory_order_relaxed);
     return 0;
   }
   const std::uint32_t chunk = usedChunks_.fetch_add(1, std::memory_order_relaxed);
-  if (chunk >= chunks_.size())
+  if (chunk >= chunkLimit_)
   {
     overflowed_.store(true, std::memory_order_relaxed);
     return 0;
@@ -63,11 +64,33 @@ std::uint32_t VertexCache::addChunk()
   return chunk == 0 ? 1 : chunk * chunkRecords;
 }
 
-const BlockRecord* VertexCache::Writer::keep(std::uint64_t inner, const BlockRecord& record, Range range)
+void VertexCache::prepareMeans()
 {
+  // The budget's chunks pay for it.
+  const std::size_t chunks = (slots_.size() * sizeof(slots_[0]) + sizeof(Chunk) - 1) / sizeof(Chunk);
+  if (slots_.empty() || !meanSlots_.empty() || usedChunks_ + chunks >= chunkLimit_)
+  {
+    return;
+  }
+  chunkLimit_ -= static_cast<std::uint32_t>(chunks);
+  for (std::size_t i = chunkLimit_; i < chunkLimit_ + chunks; ++i)
+  {
+    storage_[i].reset();
+  }
+  meanSlots_ = Slots(slots_.size());
+}
+
+const BlockRecord* VertexCache::Writer::keep(
+  std::uint64_t inner, BlockCells cells, const BlockRecord& record, Range range)
+{
+  Slots& slots = cells == BlockCells::Leaves ? cache_.slots_ : cache_.meanSlots_;
+  if (slots.empty())
+  {
+    return nullptr;
+  }
   if (next_ == end_)
   {
-    next_ = cache_.slots_.empty() ? 0 : cache_.addChunk();
+    next_ = cache_.addChunk();
     if (next_ == 0)
     {
       end_ = 0;
@@ -79,7 +102,7 @@ const BlockRecord* VertexCache::Writer::keep(std::uint64_t inner, const BlockRec
   BlockRecord* kept = &chunk.records[next_ % chunkRecords];
   *kept = record;
   chunk.ranges[next_ % chunkRecords] = range;
-  cache_.slots_[inner].store(next_++, std::memory_order_release);
+  slots[inner].store(next_++, std::memory_order_release);
   return kept;
 }
 
@@ -87,9 +110,12 @@ void VertexCache::endFrame(std::uint64_t found, std::uint64_t computed)
 {
   if (full_ && found < computed)
   {
-    for (auto& slot : slots_)
+    for (Slots* slots : { &slots_, &meanSlots_ })
     {
-      slot.store(0, std::memory_order_relaxed);
+      for (auto& slot : *slots)
+      {
+        slot.store(0, std::memory_order_relaxed);
+      }
     }
     usedChunks_ = 0;
     overflowed_ = false;
@@ -99,9 +125,9 @@ void VertexCache::endFrame(std::uint64_t found, std::uint64_t computed)
 
 std::size_t VertexCache::byteSize() const noexcept
 {
-  const std::size_t chunks = std::min<std::size_t>(usedChunks_, chunks_.size());
-  return slots_.size() * sizeof(slots_[0]) + chunks_.size() * (sizeof(chunks_[0]) + sizeof(storage_[0])) +
-    chunks * sizeof(Chunk);
+  const std::size_t chunks = std::min<std::size_t>(usedChunks_, chunkLimit_);
+  return (slots_.size() + meanSlots_.size()) * sizeof(slots_[0]) +
+    chunks_.size() * (sizeof(chunks_[0]) + sizeof(storage_[0])) + chunks * sizeof(Chunk);
 }
 
 } // namespace treeamr

@@ -39,13 +39,14 @@ public:
     const BlockRecord* record; // null when the block is not kept
     Range range;
   };
-  Found find(std::uint64_t inner) const noexcept
+  Found find(std::uint64_t inner, BlockCells cells) const noexcept
   {
-    if (slots_.empty())
+    const auto& slots = slotsOf(cells);
+    if (slots.empty())
     {
       return { nullptr, {} };
     }
-    const std::uint32_t slot = slots_[inner].load(std::memory_order_acquire);
+    const std::uint32_t slot = slots[inner].load(std::memory_order_acquire);
     if (slot == 0)
     {
       return { nullptr, {} };
@@ -63,7 +64,7 @@ public:
     {
     }
     /// Keeps the block of an inner node; null when the budget is used up.
-    const BlockRecord* keep(std::uint64_t inner, const BlockRecord& record, Range range);
+    const BlockRecord* keep(std::uint64_t inner, BlockCells cells, const BlockRecord& record, Range range);
 
   private:
     VertexCache& cache_;
@@ -71,6 +72,8 @@ public:
     std::uint32_t end_ = 0;
   };
 
+  /// Call when no thread renders and blocks of means are going to be kept: they have a table of their own.
+  void prepareMeans();
   /// Call when no thread renders, after a frame that found and computed so many blocks. When the budget was used
   /// up before it and most of what is kept was of no use, forgets all, so that a new view gets its share.
   void endFrame(std::uint64_t found, std::uint64_t computed);
@@ -90,12 +93,19 @@ private:
   };
   static_assert(sizeof(Chunk) == chunkRecords * blockBytes);
 
+  using Slots = std::vector<std::atomic<std::uint32_t>>; // by inner node; 0: not kept
+  const Slots& slotsOf(BlockCells cells) const noexcept
+  {
+    return cells == BlockCells::Leaves ? slots_ : meanSlots_;
+  }
   /// First slot of a new chunk; 0 when there is none left.
   std::uint32_t addChunk();
 
-  std::vector<std::atomic<std::uint32_t>> slots_; // by inner node; 0: not kept
+  Slots slots_;
+  Slots meanSlots_; // empty until they are prepared
   std::vector<std::atomic<Chunk*>> chunks_;
   std::vector<std::unique_ptr<Chunk>> storage_; // of chunks_, for their release
+  std::uint32_t chunkLimit_ = 0;                // that the budget allows
   std::atomic<std::uint32_t> usedChunks_{ 0 };
   std::atomic<bool> overflowed_{ false };
   bool full_ = false; // overflowed in an earlier frame

@@ -453,9 +453,14 @@ private:
   {
     ++statistics_.nodes;
     const Octree::Children children = octree_.children(node);
-    if (isBlock(children, box))
+    if (isBlock(children))
     {
-      visitBlock(node, box, active);
+      visitBlock(node, BlockCells::Leaves, box, active);
+      return;
+    }
+    if (scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(children, box))
+    {
+      visitBlock(node, BlockCells::Means, box, active);
       return;
     }
     unsigned wanted = 0; // mask of children
@@ -508,7 +513,7 @@ private:
       {
         if (!hasValues)
         {
-          if (!find(node, childBox.max[0] - childBox.min[0], block))
+          if (!find(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
           {
             wanted &= ~children.leaf;
             continue;
@@ -538,18 +543,15 @@ private:
   }
 
   /// Whether the node's children are drawn together.
-  bool isBlock(const Octree::Children& children, const Box& box) const noexcept
+  bool isBlock(const Octree::Children& children) const noexcept
   {
     // Above the root trees widths may differ and parts be missing.
-    if (children.exists != 0xff || depth_ < grid_.paddingDepth())
-    {
-      return false;
-    }
-    if (children.leaf == 0xff)
-    {
-      return !octree_.hasGhosts();
-    }
-    return children.leaf == 0 && scene_.settings.levelOfDetailPixels > 0. && isSmall(box);
+    return children.allLeaves() && depth_ >= grid_.paddingDepth() && !octree_.hasGhosts();
+  }
+
+  bool isDrawnByMeans(const Octree::Children& children, const Box& box) const noexcept
+  {
+    return children.exists == 0xff && depth_ >= grid_.paddingDepth() && !octree_.hasGhosts() && isSmall(box);
   }
 
   bool isSmall(const Box& box) const noexcept
@@ -612,9 +614,9 @@ private:
   bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * tableLast_); }
 
   /// False when nothing of it is visible. The path's neighbourhoods are only needed when values are computed.
-  bool find(std::uint64_t node, double leafWidth, Block& block)
+  bool find(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
   {
-    const VertexCache::Found found = scene_.kept.find(node);
+    const VertexCache::Found found = scene_.kept.find(node, cells);
     Range range = found.range;
     block.exact = nullptr;
     if (found.record)
@@ -624,14 +626,14 @@ private:
     }
     else
     {
-      compute();
+      compute(cells);
       range = values_.range;
     }
     if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
     {
       if (!found.record)
       {
-        writer_.keep(node, BlockRecord(values_), range);
+        writer_.keep(node, cells, BlockRecord(values_), range);
       }
       return false;
     }
@@ -655,14 +657,14 @@ private:
     if (!found.record)
     {
       record_ = BlockRecord(values_);
-      const BlockRecord* kept = writer_.keep(node, record_, range);
+      const BlockRecord* kept = writer_.keep(node, cells, record_, range);
       block.steps = (kept ? kept : &record_)->values.data();
     }
     if (isCoarse(block.toTable))
     {
       if (found.record)
       {
-        compute();
+        compute(cells);
       }
       for (std::size_t i = 0; i < values_.values.size(); ++i)
       {
@@ -674,22 +676,22 @@ private:
     return true;
   }
 
-  void compute()
+  void compute(BlockCells cells)
   {
     while (path_.depth() < depth_)
     {
       path_.descend(octant_[path_.depth()]);
     }
-    evaluator_.compute(path_, values_);
+    evaluator_.compute(path_, cells, values_);
     ++statistics_.blocks;
     const Octree::Children children = octree_.children(path_.node().index());
     statistics_.cells += std::popcount(children.leaf);
   }
 
-  void visitBlock(std::uint64_t node, const Box& box, GroupMask active)
+  void visitBlock(std::uint64_t node, BlockCells cells, const Box& box, GroupMask active)
   {
     Block block;
-    if (find(node, 0.5 * (box.max[0] - box.min[0]), block))
+    if (find(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
     {
       integrate(block, box, Lattice(box), active);
     }

@@ -192,6 +192,10 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image);
   }
   const VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, kept, image);
+  if (settings.levelOfDetailPixels > 0.)
+  {
+    kept.prepareMeans();
+  }
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;

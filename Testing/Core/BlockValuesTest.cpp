@@ -28,8 +28,12 @@ TEST(BlockValues, EqualThoseOfEachLeafBitForBit)
         return;
       }
       TreePath at(here);
+      if (at.octree().children(at.node().index()).leaf == 0)
+      {
+        return;
+      }
       BlockValues block;
-      evaluator.compute(at, block);
+      evaluator.compute(at, BlockCells::Leaves, block);
       Range all{ 1e30f, -1e30f };
       const NodeRef node = at.node();
       for (int o = 0; o < 8; ++o)
