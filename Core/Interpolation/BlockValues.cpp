@@ -76,6 +76,7 @@ struct BlockTables
   std::array<std::uint8_t, 64> childrenOfSlot{}; // that touch any vertex
   std::array<BlockVertexMask, 8> verticesOfChild{};
   std::array<BlockEntry, 27> entry{};
+  std::array<std::uint64_t, 64> slotsBeside{}; // that share a vertex of the block with a slot
   // Vertices of the node itself that touch an entry, on the lattice of its parent's children, counted from the
   // node's lower corner: all in the first word.
   std::array<std::uint64_t, 27> nodeVerticesOfEntry{};
@@ -152,6 +153,13 @@ constexpr BlockTables makeTables()
       }
     }
   }
+  for (const BlockVertex& b : t.vertex)
+  {
+    for (int s = 0; s < 1 << std::popcount(b.axes); ++s)
+    {
+      t.slotsBeside[b.slot[s]] |= b.slots;
+    }
+  }
   for (int slot = 0; slot < 64; ++slot)
   {
     const std::array<int, 3> at{ slot & 3, slot >> 2 & 3, slot >> 4 };
@@ -182,6 +190,15 @@ constexpr BlockTables makeTables()
 }
 
 constexpr BlockTables tables = makeTables();
+
+void prefetch(const float* address) noexcept
+{
+#if defined(__GNUC__)
+  __builtin_prefetch(address);
+#else
+  static_cast<void>(address);
+#endif
+}
 
 /// Calls f<axes>().
 template <class F>
@@ -347,6 +364,22 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
   level.coarseEntries = 0;
   level.coarsest = depth;
   level.known = {};
+  // First where everything is, so that the memory's answers overlap.
+  std::array<Octree::Children, 27> childrenOf;
+  for (int e = 0; e < 27; ++e)
+  {
+    if (around[e].isInner())
+    {
+      childrenOf[e] = octree_.children(around[e].index());
+      prefetch(leaves + childrenOf[e].firstLeaf);
+      if (childrenOf[e].inner() != 0)
+      {
+        octree_.prefetchChildren(childrenOf[e].firstInner);
+      }
+    }
+  }
+  std::array<std::uint8_t, 64> refinedSlots;
+  int refinedCount = 0;
   for (int e = 0; e < 27; ++e)
   {
     const NodeRef node = around[e];
@@ -371,7 +404,7 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
       }
       continue;
     }
-    const Octree::Children children = octree_.children(node.index());
+    const Octree::Children& children = childrenOf[e];
     const BlockEntry& part = tables.entry[e];
     if (children.allLeaves())
     {
@@ -403,13 +436,22 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
       else
       {
         level.refined |= std::uint64_t(1) << slot;
-        gatherChildren(level, slot, children.innerIndex(octant));
+        level.children[slot] = octree_.children(children.innerIndex(octant));
+        prefetch(leaves + level.children[slot].firstLeaf);
+        refinedSlots[refinedCount++] = static_cast<std::uint8_t>(slot);
       }
     }
   }
-  if ((level.refined | level.missing) != 0)
+  std::uint64_t besideRefined = 0;
+  for (int i = 0; i < refinedCount; ++i)
   {
-    for (std::uint64_t slots = ~level.refined; slots != 0; slots &= slots - 1)
+    gatherChildren(level, refinedSlots[i]);
+    besideRefined |= tables.slotsBeside[refinedSlots[i]];
+  }
+  besideRefined = level.missing != 0 ? ~std::uint64_t(0) : besideRefined;
+  if (besideRefined != 0)
+  {
+    for (std::uint64_t slots = besideRefined & ~level.refined; slots != 0; slots &= slots - 1)
     {
       const int slot = std::countr_zero(slots);
       level.childExists[slot] = level.missing >> slot & 1 ? 0 : 0xff;
@@ -419,11 +461,19 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
   level.hanging = verticesTouching(level.coarse);
 }
 
-void BlockEvaluator::gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept
+void BlockEvaluator::gatherChildren(Level& level, int slot) const noexcept
 {
-  const Octree::Children children = octree_.children(inner);
+  const Octree::Children& children = level.children[slot];
   const unsigned wanted = tables.childrenOfSlot[slot];
   level.childExists[slot] = static_cast<std::uint8_t>(children.exists);
+  if (children.allLeaves())
+  {
+    for (int o = 0; o < 8; ++o)
+    {
+      level.childValue[slot][o] = field_.leafValues()[children.firstLeaf + o];
+    }
+    return;
+  }
   level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << slot;
   for (unsigned rest = wanted & children.exists; rest != 0; rest &= rest - 1)
   {

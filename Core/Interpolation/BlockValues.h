@@ -52,6 +52,7 @@ private:
     std::uint64_t coarse;  // parts of coarser leaves,
     std::uint64_t missing; // places without a cell, or with one missing among the children that matter
     std::array<double, 64> value;
+    std::array<Octree::Children, 64> children;        // of the refined
     std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
     std::array<std::uint8_t, 64> childExists;
     std::array<std::uint8_t, 64> depth; // of the coarse
@@ -63,7 +64,7 @@ private:
   };
 
   void gather(const TreePath& path, int depth, Level& level) const noexcept;
-  void gatherChildren(Level& level, int slot, std::uint64_t inner) const noexcept;
+  void gatherChildren(Level& level, int slot) const noexcept;
   Level& levelAt(const TreePath& path, int depth) noexcept;
   Level& withSpecial(const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept;
   void computeSpecial(

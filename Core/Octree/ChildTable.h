@@ -87,6 +87,16 @@ public:
     return { n.masks.exists, n.masks.leaf, base.inner + n.innerDelta, base.leaf + n.leafDelta };
   }
 
+  /// Announces that children(node) will be asked for.
+  void prefetch(std::uint64_t node) const noexcept
+  {
+#if defined(__GNUC__)
+    __builtin_prefetch(nodes_.data() + node);
+#else
+    static_cast<void>(node);
+#endif
+  }
+
   /// Allocated bytes.
   std::size_t byteSize() const noexcept
   {
@@ -119,7 +129,10 @@ public:
     nodes_[node].masks.exists |= masks.exists;
     nodes_[node].masks.leaf |= masks.leaf;
   }
-  std::uint64_t blockCount() const noexcept { return bases_.size(); }
+  std::uint64_t blockCount() const noexcept
+  {
+    return bases_.size();
+  }
   void finishBlock(std::uint64_t block) noexcept
   {
     const Base base = bases_[block];

@@ -36,6 +36,8 @@ public:
 
   using Children = treeamr::Children;
   Children children(std::uint64_t inner) const noexcept { return table_.children(inner); }
+  /// Announces that the children of an inner node will be asked for.
+  void prefetchChildren(std::uint64_t inner) const noexcept { table_.prefetch(inner); }
   /// Octant o is at x = o & 1, y = o >> 1 & 1, z = o >> 2.
   NodeRef child(NodeRef parent, int octant) const noexcept
   {

@@ -180,6 +180,48 @@ public:
     writePixels(x0, y0);
   }
 
+  /// The work of a frame without its walk: the tile's rays go through one box of the table's faintest value, as
+  /// often as asked for.
+  void repeatInCache(int x0, int y0, int repeats)
+  {
+    const GroupMask active = makeRays(x0, y0);
+    record_ = {};
+    std::size_t faintest = 0;
+    const auto& entries = scene_.table.entries;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+    {
+      const float e = entries[i].extinction;
+      faintest =
+        e > 0.f && (e < entries[faintest].extinction || entries[faintest].extinction == 0.f) ? i : faintest;
+    }
+    const auto position = static_cast<float>(faintest);
+    const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
+      std::numeric_limits<float>::max(), false };
+    std::vector<Box> boxes(groups);
+    for (int group = 0; group < groups; ++group)
+    {
+      // Around the point of a middle ray at half of its length, twenty pixels wide.
+      const int ray = group * groupRays + groupRays / 2;
+      const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
+      const auto half = static_cast<float>(10. * (scene_.pixelWidth + scene_.pixelGrowth * t));
+      for (int a = 0; a < 3; ++a)
+      {
+        const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
+        boxes[group].min[a] = middle - half;
+        boxes[group].max[a] = middle + half;
+      }
+    }
+    // One group after the other, as in a frame: a group's next interval needs the end of its last.
+    for (int repeat = 0; repeat < repeats; ++repeat)
+    {
+      for (int group = 0; group < groups; ++group)
+      {
+        integrate(block, boxes[group], Lattice(boxes[group]), active & GroupMask(1) << group);
+      }
+    }
+    writePixels(x0, y0);
+  }
+
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
@@ -702,30 +744,108 @@ private:
 
   static HWY_INLINE Floats lerp(Floats f, Floats a, Floats b) { return hn::MulAdd(f, hn::Sub(b, a), a); }
 
-  /// Trilinear at a position on the lattice, as a position in the table.
-  template <class Values>
-  static HWY_INLINE Floats sample(
-    const Floats (&at)[3], const Values& values, const ToTable& toTable, const Lattice& lattice)
+  /// Where rays run on the lattice, and how far.
+  struct Span
+  {
+    Floats start[3];
+    Floats slope[3]; // per t
+    Floats step;     // of t
+    Floats depthPerExtinction;
+    Floats samples; // 0 for rays that miss the box
+  };
+
+  /// The field after `Count` numbers of steps, as positions in the table. Side by side, because a single chain of
+  /// loads leaves the processor waiting.
+  template <int Count, class Values>
+  static HWY_INLINE void sample(const Span& span, const float (&steps)[Count], const Values& values,
+    const ToTable& toTable, const Lattice& lattice, Floats (&position)[Count])
   {
     const FloatTag d;
     const IntTag di;
-    Floats cell[3];
-    Floats f[3];
-    for (int a = 0; a < 3; ++a)
+    Floats f[Count][3];
+    Ints vertex[Count];
+    for (int k = 0; k < Count; ++k)
     {
-      cell[a] = hn::Min(hn::Max(hn::Floor(at[a]), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
-      f[a] = hn::Sub(at[a], cell[a]);
+      const Floats along = hn::Mul(hn::Set(d, steps[k]), span.step);
+      Floats cell[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        const Floats at = hn::MulAdd(along, span.slope[a], span.start[a]);
+        cell[a] = hn::Min(hn::Max(hn::Floor(at), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
+        f[k][a] = hn::Sub(at, cell[a]);
+      }
+      vertex[k] = hn::ConvertTo(
+        di, hn::MulAdd(hn::MulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]));
     }
-    const Floats index = hn::MulAdd(hn::MulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]);
-    Floats lower[4];
-    Floats upper[4];
-    values.pairs(hn::ConvertTo(di, index), lower, upper);
-    const Floats low = lerp(f[1], lerp(f[0], lower[0], upper[0]), lerp(f[0], lower[1], upper[1]));
-    const Floats high = lerp(f[1], lerp(f[0], lower[2], upper[2]), lerp(f[0], lower[3], upper[3]));
-    const Floats position =
-      hn::MulAdd(lerp(f[2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
-    // Rounding must not leave the hull by which nodes are skipped.
-    return hn::Min(hn::Max(position, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
+    Floats lower[Count][4];
+    Floats upper[Count][4];
+    for (int k = 0; k < Count; ++k)
+    {
+      values.pairs(vertex[k], lower[k], upper[k]);
+    }
+    for (int k = 0; k < Count; ++k)
+    {
+      const Floats low =
+        lerp(f[k][1], lerp(f[k][0], lower[k][0], upper[k][0]), lerp(f[k][0], lower[k][1], upper[k][1]));
+      const Floats high =
+        lerp(f[k][1], lerp(f[k][0], lower[k][2], upper[k][2]), lerp(f[k][0], lower[k][3], upper[k][3]));
+      const Floats value =
+        hn::MulAdd(lerp(f[k][2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
+      // Rounding must not leave the hull by which nodes are skipped.
+      position[k] = hn::Min(hn::Max(value, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
+    }
+  }
+
+  /// What rays have gathered so far.
+  struct Light
+  {
+    Floats transmittance;
+    Floats red;
+    Floats green;
+    Floats blue;
+  };
+
+  /// `Count` midpoint samples from step i on.
+  template <int Count, class Values>
+  HWY_INLINE void takePoints(
+    const Span& span, float i, const Values& values, const Block& block, const Lattice& lattice, Light& light)
+  {
+    const FloatTag d;
+    float steps[Count];
+    for (int k = 0; k < Count; ++k)
+    {
+      steps[k] = i + static_cast<float>(k) + 0.5f;
+    }
+    Floats position[Count];
+    sample(span, steps, values, block.toTable, lattice, position);
+    Ints entry[Count];
+    Floats extinction[Count];
+    Floats any = hn::Zero(d);
+    for (int k = 0; k < Count; ++k)
+    {
+      entry[k] = hn::ShiftLeft<2>(hn::NearestInt(position[k])); // of four floats
+      extinction[k] = hn::IfThenElseZero(hn::Lt(hn::Set(d, i + static_cast<float>(k)), span.samples),
+        hn::GatherIndex(d, table_ + 3, entry[k]));
+      any = hn::Max(any, extinction[k]);
+    }
+    if (hn::AllFalse(d, hn::Gt(any, hn::Zero(d))))
+    {
+      return;
+    }
+    statistics_.litSteps += Count;
+    Floats passes[Count];
+    for (int k = 0; k < Count; ++k)
+    {
+      passes[k] = exp2(hn::Neg(hn::Mul(extinction[k], span.depthPerExtinction)));
+    }
+    for (int k = 0; k < Count; ++k)
+    {
+      const Floats weight = hn::NegMulAdd(light.transmittance, passes[k], light.transmittance);
+      light.red = hn::MulAdd(weight, hn::GatherIndex(d, table_, entry[k]), light.red);
+      light.green = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 1, entry[k]), light.green);
+      light.blue = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 2, entry[k]), light.blue);
+      light.transmittance = hn::Mul(light.transmittance, passes[k]);
+    }
   }
 
   /// Mean of extinction and extinction times colour over the table between two positions.
@@ -745,6 +865,39 @@ private:
       const Floats rest =
         hn::Sub(hn::GatherIndex(d, table + 4 + c, to), hn::GatherIndex(d, table + 4 + c, from));
       mean[c] = hn::Mul(hn::Add(sum, rest), perEntry);
+    }
+  }
+
+  /// Steps by the transfer function's integrals.
+  template <class Values>
+  HWY_INLINE void takeIntegrals(const Span& span, float mostSamples, const Values& values, const Block& block,
+    const Lattice& lattice, Light& light)
+  {
+    const FloatTag d;
+    Floats first[1];
+    sample(span, { 0.f }, values, block.toTable, lattice, first);
+    Floats before = first[0];
+    for (float i = 0.f; i < mostSamples; i += 1.f)
+    {
+      // Of the change over the step, about the value in its middle: that follows a bent field.
+      Floats position[2];
+      sample(span, { i + 0.5f, i + 1.f }, values, block.toTable, lattice, position);
+      const Floats half = hn::Mul(hn::Abs(hn::Sub(position[1], before)), hn::Set(d, 0.5f));
+      before = position[1];
+      Floats mean[4];
+      integral(hn::Max(hn::Sub(position[0], half), hn::Set(d, block.toTable.first)),
+        hn::Min(hn::Add(position[0], half), hn::Set(d, block.toTable.last)), mean);
+      ++statistics_.litSteps;
+      const Floats extinction = hn::IfThenElseZero(hn::Lt(hn::Set(d, i), span.samples), mean[3]);
+      const Floats passes =
+        exp2(hn::Mul(extinction, hn::Mul(span.depthPerExtinction, hn::Set(d, -1.44269504f))));
+      // Of the light that the step holds back; none where there is no extinction.
+      const Floats weight = hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)),
+        hn::Div(hn::NegMulAdd(light.transmittance, passes, light.transmittance), extinction));
+      light.red = hn::MulAdd(weight, mean[0], light.red);
+      light.green = hn::MulAdd(weight, mean[1], light.green);
+      light.blue = hn::MulAdd(weight, mean[2], light.blue);
+      light.transmittance = hn::Mul(light.transmittance, passes);
     }
   }
 
@@ -771,8 +924,7 @@ private:
     }
     ++statistics_.intervals;
     const Floats length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
-    Floats start[3]; // on the lattice
-    Floats slope[3]; // per t
+    Span span;
     Floats squared = hn::Zero(d);
     for (int a = 0; a < 3; ++a)
     {
@@ -783,11 +935,11 @@ private:
       {
         corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
       }
-      start[a] = hn::Mul(hn::MulAdd(begin, direction, corner), scale);
-      slope[a] = hn::Mul(direction, scale);
-      squared = hn::MulAdd(slope[a], slope[a], squared);
+      span.start[a] = hn::Mul(hn::MulAdd(begin, direction, corner), scale);
+      span.slope[a] = hn::Mul(direction, scale);
+      squared = hn::MulAdd(span.slope[a], span.slope[a], squared);
     }
-    Floats transmittance = hn::Load(d, transmittance_ + ray);
+    const Floats transmittance = hn::Load(d, transmittance_ + ray);
     const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
     // In half widths of a leaf, and as an optical depth.
     const Floats widths = hn::Mul(hn::Mul(hn::Sqrt(squared), length), hn::Set(d, 0.5f));
@@ -795,66 +947,36 @@ private:
       hn::Mul(hn::Mul(length, lengthPerT), hn::Mul(transmittance, hn::Set(d, block.variation)));
     const Floats wanted = hn::Min(widths, hn::Mul(hn::Sqrt(variation), hn::Set(d, samplesPerRootVariation)));
     const Floats samples = hn::Max(hn::Set(d, 1.f), hn::Ceil(hn::Mul(wanted, hn::Set(d, samplesPerCell_))));
-    const Floats step = hn::Div(length, samples);
-    const Floats depthPerExtinction = hn::Mul(step, lengthPerT);
-    const float mostSamples = hn::GetLane(hn::MaxOfLanes(d, hn::IfThenElseZero(crosses, samples)));
+    span.step = hn::Div(length, samples);
+    span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
+    span.samples = hn::IfThenElseZero(crosses, samples);
+    const float mostSamples = hn::GetLane(hn::MaxOfLanes(d, span.samples));
+    statistics_.samples += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(d, span.samples)));
+    statistics_.steps += static_cast<std::uint64_t>(mostSamples);
 
-    Floats red = hn::Load(d, red_ + ray);
-    Floats green = hn::Load(d, green_ + ray);
-    Floats blue = hn::Load(d, blue_ + ray);
-    const auto positionAt = [&](float i) {
-      const Floats along = hn::Mul(hn::Set(d, i), step);
-      const Floats at[3] = { hn::MulAdd(along, slope[0], start[0]), hn::MulAdd(along, slope[1], start[1]),
-        hn::MulAdd(along, slope[2], start[2]) };
-      return sample(at, values, block.toTable, lattice);
-    };
-    Floats before = PreIntegrated ? positionAt(0.f) : hn::Zero(d);
-    for (float i = 0.f; i < mostSamples; i += 1.f)
+    Light light{ transmittance, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
+      hn::Load(d, blue_ + ray) };
+    if constexpr (PreIntegrated)
     {
-      const Mask live = hn::Lt(hn::Set(d, i), hn::IfThenElseZero(crosses, samples));
-      statistics_.samples += hn::CountTrue(d, live);
-      if constexpr (PreIntegrated)
+      takeIntegrals(span, mostSamples, values, block, lattice, light);
+    }
+    else
+    {
+      float i = 0.f;
+      for (; i + 1.f < mostSamples; i += 2.f)
       {
-        // Of the change over the step, about the value in its middle: that follows a bent field.
-        const Floats after = positionAt(i + 1.f);
-        const Floats middle = positionAt(i + 0.5f);
-        const Floats half = hn::Mul(hn::Abs(hn::Sub(after, before)), hn::Set(d, 0.5f));
-        Floats mean[4];
-        integral(hn::Max(hn::Sub(middle, half), hn::Set(d, block.toTable.first)),
-          hn::Min(hn::Add(middle, half), hn::Set(d, block.toTable.last)), mean);
-        before = after;
-        const Floats extinction = hn::IfThenElseZero(live, mean[3]);
-        const Floats passes =
-          exp2(hn::Mul(extinction, hn::Mul(depthPerExtinction, hn::Set(d, -1.44269504f))));
-        // Of the light that the step holds back; none where there is no extinction.
-        const Floats weight = hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)),
-          hn::Div(hn::NegMulAdd(transmittance, passes, transmittance), extinction));
-        red = hn::MulAdd(weight, mean[0], red);
-        green = hn::MulAdd(weight, mean[1], green);
-        blue = hn::MulAdd(weight, mean[2], blue);
-        transmittance = hn::Mul(transmittance, passes);
+        takePoints<2>(span, i, values, block, lattice, light);
       }
-      else
+      if (i < mostSamples)
       {
-        const Ints entry = hn::ShiftLeft<2>(hn::NearestInt(positionAt(i + 0.5f))); // of four floats
-        const Floats extinction = hn::IfThenElseZero(live, hn::GatherIndex(d, table_ + 3, entry));
-        if (hn::AllTrue(d, hn::Eq(extinction, hn::Zero(d))))
-        {
-          continue;
-        }
-        const Floats passes = exp2(hn::Neg(hn::Mul(extinction, depthPerExtinction)));
-        const Floats weight = hn::NegMulAdd(transmittance, passes, transmittance);
-        red = hn::MulAdd(weight, hn::GatherIndex(d, table_, entry), red);
-        green = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 1, entry), green);
-        blue = hn::MulAdd(weight, hn::GatherIndex(d, table_ + 2, entry), blue);
-        transmittance = hn::Mul(transmittance, passes);
+        takePoints<1>(span, i, values, block, lattice, light);
       }
     }
-    hn::Store(transmittance, d, transmittance_ + ray);
-    hn::Store(red, d, red_ + ray);
-    hn::Store(green, d, green_ + ray);
-    hn::Store(blue, d, blue_ + ray);
-    const Mask opaque = hn::Lt(transmittance, hn::Set(d, opaqueTransmittance));
+    hn::Store(light.transmittance, d, transmittance_ + ray);
+    hn::Store(light.red, d, red_ + ray);
+    hn::Store(light.green, d, green_ + ray);
+    hn::Store(light.blue, d, blue_ + ray);
+    const Mask opaque = hn::Lt(light.transmittance, hn::Set(d, opaqueTransmittance));
     hn::Store(hn::IfThenElse(opaque, hn::Set(d, finished), hn::Load(d, end_ + ray)), d, end_ + ray);
   }
 
@@ -889,6 +1011,23 @@ private:
 };
 
 template <bool CommonOrigin>
+VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, int repeats)
+{
+  Tile<CommonOrigin> tile(scene);
+  for (int column = 0; column < columns; ++column)
+  {
+    tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, repeats);
+  }
+  return tile.statistics();
+}
+
+VolumeStatistics RepeatInCache(const VolumeKernelScene& scene, int row, int columns, int repeats)
+{
+  return scene.features.commonOrigin ? repeatRow<true>(scene, row, columns, repeats)
+                                     : repeatRow<false>(scene, row, columns, repeats);
+}
+
+template <bool CommonOrigin>
 VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
   Tile<CommonOrigin> tile(scene);
@@ -914,10 +1053,16 @@ namespace treeamr
 {
 
 HWY_EXPORT(RenderTiles);
+HWY_EXPORT(RepeatInCache);
 
 VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
   return HWY_DYNAMIC_DISPATCH(RenderTiles)(scene, row, columnBegin, columnEnd);
+}
+
+VolumeStatistics repeatVolumeTilesInCache(const VolumeKernelScene& scene, int row, int columns, int repeats)
+{
+  return HWY_DYNAMIC_DISPATCH(RepeatInCache)(scene, row, columns, repeats);
 }
 
 } // namespace treeamr

@@ -56,7 +56,7 @@ struct VolumeKernelScene
   double dataScale;  // and of data coordinates
   PixelFan fan;      // common origin only
   KernelTable table;
-  /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth. For level of detail only.
+  /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
   double pixelWidth;
   double pixelGrowth;
 };
@@ -77,5 +77,7 @@ constexpr int volumeTileWidth = 16;
 
 /// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
 VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
+/// See renderWithoutWalk().
+VolumeStatistics repeatVolumeTilesInCache(const VolumeKernelScene& scene, int row, int columns, int repeats);
 
 } // namespace treeamr

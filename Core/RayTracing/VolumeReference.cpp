@@ -31,8 +31,8 @@ struct TileRay
   SlabRay slab;
   double begin;
   double end;
-  float transmittance;
-  std::array<float, 3> color;
+  double transmittance; // double: many samples must not drift
+  std::array<double, 3> color;
 };
 
 /// The field inside a leaf from its 27 vertex values.
@@ -99,7 +99,7 @@ public:
         const double begin = interval.begin ? interval.begin[pixel] : 0.;
         const double end = interval.end ? interval.end[pixel] : 1.;
         const Ray ray = camera_.ray(x, y);
-        TileRay tileRay{ SlabRay(ray), 0., 0., 1.f, {} };
+        TileRay tileRay{ SlabRay(ray), 0., 0., 1., {} };
         if (begin < end)
         {
           tileRay.begin = camera_.tFromDepth(ray, begin);
@@ -120,8 +120,9 @@ public:
       for (int x = x0; x < x1; ++x, ++r)
       {
         float* rgba = image.rgba.data() + 4 * (static_cast<std::size_t>(y) * image.width + x);
-        std::copy(rays_[r].color.begin(), rays_[r].color.end(), rgba);
-        rgba[3] = 1.f - rays_[r].transmittance;
+        std::transform(
+          rays_[r].color.begin(), rays_[r].color.end(), rgba, [](double c) { return static_cast<float>(c); });
+        rgba[3] = static_cast<float>(1. - rays_[r].transmittance);
       }
     }
   }
@@ -232,7 +233,7 @@ private:
     }
     const double widths = 0.5 * std::sqrt(squared) * length;
     const int samples = std::max(1, static_cast<int>(std::ceil(widths * settings_.samplesPerCell)));
-    const auto step = static_cast<float>(length / samples);
+    const double step = length / samples;
     for (int i = 0; i < samples; ++i)
     {
       const float f = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples);
@@ -242,8 +243,8 @@ private:
       {
         continue;
       }
-      const float passes = std::exp(-e.extinction * step);
-      const float weight = ray.transmittance * (1.f - passes);
+      const double passes = std::exp(-e.extinction * step);
+      const double weight = ray.transmittance * (1. - passes);
       ray.color[0] += weight * e.r;
       ray.color[1] += weight * e.g;
       ray.color[2] += weight * e.b;

@@ -168,6 +168,18 @@ void fillTable(VolumeKernelScene& scene)
   }
 }
 
+VolumeKernelScene makeScene(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
+  Image& image)
+{
+  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, 0., 1.,
+    1., {}, {}, 0., 0. };
+  place(scene);
+  measurePixels(scene);
+  fillTable(scene);
+  return scene;
+}
+
 } // namespace
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
@@ -179,14 +191,7 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   {
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image);
   }
-  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, 0., 1.,
-    1., {}, {}, 0., 0. };
-  place(scene);
-  if (settings.levelOfDetailPixels > 0.)
-  {
-    measurePixels(scene);
-  }
-  fillTable(scene);
+  const VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, kept, image);
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
@@ -208,6 +213,22 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   // For this frame only: tiles share the leaves on their borders.
   VertexCache kept(field.octree(), VolumeSettings::defaultKeptBytes);
   return renderVolume(field, transferFunction, camera, interval, settings, kept, image);
+}
+
+VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const VolumeSettings& settings, int repeats, Image& image)
+{
+  check(field, camera, settings, image);
+  VertexCache none(field.octree(), 0);
+  const DepthInterval interval;
+  const VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, image);
+  VolumeStatistics statistics;
+  const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
+  for (int row = 0; row * volumeTileWidth < image.height; ++row)
+  {
+    statistics += repeatVolumeTilesInCache(scene, row, columns, repeats);
+  }
+  return statistics;
 }
 
 } // namespace treeamr

@@ -44,7 +44,9 @@ struct VolumeStatistics
   std::uint64_t kept = 0;      // blocks of leaves whose vertex values were found
   std::uint64_t blocks = 0;    // that were computed
   std::uint64_t cells = 0;     // leaves in these
-  std::uint64_t intervals = 0; // groups of rays taken through a leaf or block
+  std::uint64_t intervals = 0; // vectors of rays taken through a leaf or block
+  std::uint64_t steps = 0;     // of these vectors
+  std::uint64_t litSteps = 0;  // that were not transparent for all of their rays
   std::uint64_t samples = 0;   // of the field along rays
 
   VolumeStatistics& operator+=(const VolumeStatistics& other) noexcept
@@ -55,6 +57,8 @@ struct VolumeStatistics
     blocks += other.blocks;
     cells += other.cells;
     intervals += other.intervals;
+    steps += other.steps;
+    litSteps += other.litSteps;
     samples += other.samples;
     return *this;
   }
@@ -66,7 +70,12 @@ struct VolumeStatistics
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image);
-/// The same for a single frame.
+/// For benchmarks: takes the camera's rays through a block of the transfer function's faintest value `repeats`
+/// times, on this thread, with the tree walk and the memory of vertex values left out: what an interval, a step
+/// and a lit step take at least.
+VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
+/// The same as renderVolume() above for a single frame.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image);
 

@@ -1,204 +1,226 @@
-// Measures the volume renderer on p4est forests of the Mandelbulb: 1000 x 1000 pixels, all threads, CPU
-// seconds of the whole process, PSNR of the colours against the scalar reference at 64 samples per cell.
+// Measures the volume renderer on the forests <name>.p8est of a folder, whose names Scene.cpp has: memory,
+// seconds of wall and CPU (of the whole process) on all threads, and PSNR against the scalar reference at 64
+// samples per cell, which is kept beside the forest as <name>.reference.
 //
-// treeamr-benchmark OUT.json NAME FOREST.p8est [NAME FOREST.p8est ...]
+// treeamr-benchmark FOLDER [--only NAME] [--samples S] [--picture FILE.ppm] [--json FILE]
+//
+// Bytes per cell: allocated, resident after the build without its input, and the build's peak beyond its
+// input. A kept frame finds vertex values of the frames before in the cache, a cold one begins without.
 #include "Error.h"
-#include "Octree/OctreeBuilder.h"
-#include "P4estForestFile.h"
+#include "Meter.h"
 #include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeReference.h"
 #include "RayTracing/VolumeRenderer.h"
-#include "Support/Cameras.h"
+#include "ReferenceImage.h"
+#include "Report.h"
+#include "Scene.h"
 
 #include <oneapi/tbb/global_control.h>
 
-#include <algorithm>
-#include <chrono>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <ctime>
 #include <exception>
-#include <fstream>
-#include <numbers>
+#include <memory>
+#include <optional>
 #include <string>
-#include <thread>
+#include <string_view>
 
-using namespace treeamr;
+namespace treeamr::bench
+{
 
 namespace
 {
 
-constexpr int imageSize = 1000;
-
-struct Seconds
+struct Options
 {
-  double wall;
-  double cpu;
+  std::string folder;
+  std::string only; // empty: all data sets
+  std::string picture;
+  std::string json;
+  VolumeSettings settings;
 };
 
-template <class Work>
-Seconds measure(const Work& work)
+/// Nothing when the arguments are not understood.
+std::optional<Options> parse(int argc, char* argv[])
 {
-  const auto wall = std::chrono::steady_clock::now();
-  const std::clock_t cpu = std::clock();
-  work();
-  return { std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(),
-    static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC };
-}
-
-/// The fastest of three: other programs only ever add time.
-template <class Work>
-Seconds best(const Work& work)
-{
-  Seconds least = measure(work);
-  for (int repeat = 1; repeat < 3; ++repeat)
+  if (argc < 2 || argc % 2 != 0)
   {
-    const Seconds s = measure(work);
-    least = { std::min(least.wall, s.wall), std::min(least.cpu, s.cpu) };
+    return std::nullopt;
   }
-  return least;
-}
-
-std::vector<LeafCell> readCells(const std::string& path)
-{
-  const P4estForestFile file(path);
-  if (file.treeCount() != 1 || file.payloadSize() != sizeof(double))
+  Options options;
+  options.folder = argv[1];
+  for (int i = 2; i < argc; i += 2)
   {
-    throw Error(path + ": " + std::to_string(file.treeCount()) + " trees and " +
-      std::to_string(file.payloadSize()) + " bytes per quadrant, allowed are 1 and 8");
-  }
-  std::vector<LeafCell> cells;
-  cells.reserve(file.quadrantCount());
-  file.visitQuadrants([&](const P4estQuadrant& q) {
-    double value;
-    std::memcpy(&value, q.payload, sizeof(value));
-    cells.push_back({ { { q.index[0], q.index[1], q.index[2] }, q.level }, static_cast<float>(value) });
-  });
-  return cells;
-}
-
-/// 1.6 edge lengths from the centre of the unit cube, elevation 25, azimuth 35, 40 degrees of view.
-Camera makeCamera()
-{
-  const double elevation = 25. * std::numbers::pi / 180.;
-  const double azimuth = 35. * std::numbers::pi / 180.;
-  const Vec3 eye{ 0.5 + 1.6 * std::cos(elevation) * std::sin(azimuth), 0.5 + 1.6 * std::sin(elevation),
-    0.5 + 1.6 * std::cos(elevation) * std::cos(azimuth) };
-  const Matrix4 view = test::lookAt(eye, { 0.5, 0.5, 0.5 }, { 0., 1., 0. });
-  return Camera(
-    test::multiply(test::perspective(40., 0.1, 10.), view), test::identityMatrix, imageSize, imageSize);
-}
-
-/// Transparent below 0.3, then rising with the square up to 60 per edge length.
-TransferFunction makeTransferFunction()
-{
-  std::vector<TransferFunction::Entry> entries;
-  constexpr int size = 4096;
-  for (int i = 0; i < size; ++i)
-  {
-    const float u = static_cast<float>(i) / (size - 1);
-    const float rise = std::max(0.f, u - 0.3f) / 0.6f;
-    entries.push_back({ u, 1.f - u, 0.5f, 60.f * std::min(1.f, rise * rise) });
-  }
-  return TransferFunction(0., 1., std::move(entries));
-}
-
-double psnr(const Image& image, const Image& reference)
-{
-  double sum = 0.;
-  for (std::size_t i = 0; i < image.rgba.size(); ++i)
-  {
-    sum += i % 4 < 3 ? std::pow(image.rgba[i] - reference.rgba[i], 2) : 0.;
-  }
-  return -10. * std::log10(sum / (0.75 * static_cast<double>(image.rgba.size())));
-}
-
-std::string machine()
-{
-  std::string model = "unknown";
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-  {
-    if (line.starts_with("model name"))
+    const std::string_view name = argv[i];
+    const std::string_view value = argv[i + 1];
+    if (name == "--only")
     {
-      model = line.substr(line.find(':') + 2);
-      break;
+      options.only = value;
+    }
+    else if (name == "--picture")
+    {
+      options.picture = value;
+    }
+    else if (name == "--json")
+    {
+      options.json = value;
+    }
+    else if (name != "--samples" ||
+      std::from_chars(value.data(), value.data() + value.size(), options.settings.samplesPerCell).ptr !=
+        value.data() + value.size())
+    {
+      return std::nullopt;
     }
   }
-  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+  if (!options.picture.empty() && options.only.empty()) // of which data set?
+  {
+    return std::nullopt;
+  }
+  return options;
 }
 
-std::string measureVolume(const std::string& name, const std::string& path)
+struct Measurement
 {
-  std::vector<LeafCell> cells = readCells(path);
-  const std::size_t count = cells.size();
+  std::vector<Figure> figures;
+  Image image;
+  double cells;
+  double cpuSecondsPerFrame;
+};
+
+struct BuiltField
+{
   std::shared_ptr<Field> field;
+  std::vector<Figure> figures;
+};
+
+BuiltField measureBuild(std::vector<LeafCell> cells, std::size_t residentBefore)
+{
+  const auto count = static_cast<double>(cells.size());
+  std::shared_ptr<Field> field;
+  const std::size_t residentWithInput = residentBytes();
+  takePeakResidentBytes();
   const Seconds build = measure([&] {
     auto built =
       buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), std::move(cells));
     field = std::make_shared<Field>(built.octree, std::move(built.values));
     field->computeNodeRanges();
   });
-  const double bytes = static_cast<double>(field->byteSize() + field->octree().byteSize());
+  const std::size_t peak = takePeakResidentBytes();
+  const auto perCell = [&](std::size_t bytes, std::size_t before) {
+    return (static_cast<double>(bytes) - static_cast<double>(before)) / count;
+  };
+  std::vector<Figure> figures = {
+    { "cells", count, "cells" },
+    { "bytes_per_cell", perCell(field->byteSize() + field->octree().byteSize(), 0), "B/cell", 2 },
+    { "resident_bytes_per_cell", perCell(residentBytes(), residentBefore), "resident", 2 },
+    { "build_peak_bytes_per_cell", perCell(peak, residentWithInput), "peak", 2 },
+    { "build_cells_per_s", count / build.wall, "M cells/s", 2, 1e-6 },
+  };
+  return { std::move(field), std::move(figures) };
+}
+
+Measurement measureVolume(const Options& options, const Scene& scene)
+{
+  const std::string file = options.folder + "/" + scene.name;
+  const std::size_t resident = residentBytes();
+  Forest forest = readForest(file + ".p8est");
+  auto [field, figures] = measureBuild(std::move(forest.cells), resident);
 
   const Camera camera = makeCamera();
-  const TransferFunction transferFunction = makeTransferFunction();
-  Image image(imageSize, imageSize);
-  VertexCache kept(count, VolumeSettings::defaultKeptBytes);
-  const auto frame = [&] { renderVolume(*field, transferFunction, camera, {}, {}, kept, image); };
-  const Seconds cold = measure(frame);
+  Image image(camera.width(), camera.height());
+  std::unique_ptr<VertexCache> kept;
+  const auto forget = [&] {
+    kept = std::make_unique<VertexCache>(field->octree(), VolumeSettings::defaultKeptBytes);
+  };
+  const auto frame = [&] {
+    renderVolume(*field, scene.transferFunction, camera, {}, options.settings, *kept, image);
+  };
+  const Seconds cold = best(forget, frame);
   const Seconds warm = best(frame);
   Seconds single{};
   {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     single = best(frame);
   }
-  Image reference(imageSize, imageSize);
-  VolumeSettings fine;
-  fine.samplesPerCell = 64.;
-  const Seconds scalar = measure(
-    [&] { renderVolumeReference(*field, transferFunction, camera, {}, VolumeSettings(), reference); });
-  renderVolumeReference(*field, transferFunction, camera, {}, fine, reference);
-  const double quality = psnr(image, reference);
+  Image scalarImage(camera.width(), camera.height());
+  const Seconds scalar = measure([&] {
+    renderVolumeReference(*field, scene.transferFunction, camera, {}, options.settings, scalarImage);
+  });
+  const Image reference =
+    referenceImage(file + ".reference", forest.digest, *field, scene.transferFunction, camera);
 
-  std::printf("%-16s %9zu cells  %5.2f B/cell  build %5.2f M cells/s  frame %6.3f CPU-s  cold %6.3f  "
-              "scalar %6.3f  %5.1f dB  1 thread / all %.2f  kept %.0f MiB\n",
-    name.c_str(), count, bytes / static_cast<double>(count), 1e-6 * static_cast<double>(count) / build.wall,
-    warm.cpu, cold.cpu, scalar.cpu, quality, single.wall / warm.wall,
-    static_cast<double>(kept.byteSize()) / 1048576.);
-  std::fflush(stdout);
-  char json[512];
-  std::snprintf(json, sizeof(json),
-    "{\"dataset\": \"%s\", \"cells\": %zu, \"bytes_per_cell\": %.3f, \"build_cells_per_s\": %.0f, "
-    "\"cpu_s_frame\": %.4f, \"cpu_s_frame_cold\": %.4f, \"psnr_db\": %.2f, \"thread_speedup\": %.3f}",
-    name.c_str(), count, bytes / static_cast<double>(count), static_cast<double>(count) / build.wall,
-    warm.cpu, cold.cpu, quality, single.wall / warm.wall);
-  return json;
+  figures.insert(figures.end(),
+    {
+      { "cpu_s_frame", warm.cpu, "CPU-s", 3 },
+      { "wall_s_frame", warm.wall, "wall s", 3 },
+      { "cpu_s_frame_cold", cold.cpu, "cold CPU-s", 3 },
+      { "wall_s_frame_cold", cold.wall, "cold wall", 3 },
+      { "cpu_s_frame_scalar", scalar.cpu, "scalar", 2 },
+      { "psnr_db", psnr(image, reference), "dB", 2 },
+      { "thread_speedup", single.wall / warm.wall, "1 thr/all", 2 },
+      { "kept_bytes", static_cast<double>(kept->byteSize()), "kept MiB", 0, 1. / 1048576. },
+    });
+  return { std::move(figures), std::move(image), static_cast<double>(field->leafValues().size()), warm.cpu };
+}
+
+void run(const Options& options)
+{
+  Report report;
+  std::optional<Measurement> few;
+  bool found = false;
+  for (const Scene& scene : makeScenes())
+  {
+    if (!options.only.empty() && scene.name != options.only)
+    {
+      continue;
+    }
+    found = true;
+    const Measurement result = measureVolume(options, scene);
+    report.add({ scene.name, result.figures });
+    if (!options.picture.empty())
+    {
+      writePicture(options.picture, result.image);
+    }
+    if (scene.name == "mandelbulb-0.3M")
+    {
+      few = result;
+    }
+    else if (scene.name == "mandelbulb-20M" && few)
+    {
+      const double cells = result.cells / few->cells;
+      const double time = result.cpuSecondsPerFrame / few->cpuSecondsPerFrame;
+      std::printf("%-16s  %.1f times the cells of 0.3M, %.1f times the CPU-s: %.3f\n", "  growth", cells,
+        time, time / cells);
+    }
+  }
+  if (!found)
+  {
+    throw Error("--only " + options.only + ": no such data set");
+  }
+  if (!options.json.empty())
+  {
+    report.writeJson(options.json);
+  }
 }
 
 } // namespace
 
+} // namespace treeamr::bench
+
 int main(int argc, char* argv[])
 {
-  if (argc < 4 || argc % 2 != 0)
+  const auto options = treeamr::bench::parse(argc, argv);
+  if (!options)
   {
-    std::fprintf(stderr, "usage: treeamr-benchmark OUT.json NAME FOREST.p8est [NAME FOREST.p8est ...]\n");
+    std::fprintf(stderr,
+      "usage: treeamr-benchmark FOLDER [--only NAME] [--samples S] [--picture FILE.ppm] [--json FILE]\n"
+      "--picture needs --only\n");
     return 2;
   }
   try
   {
-    std::string entries;
-    for (int i = 2; i < argc; i += 2)
-    {
-      entries += (i > 2 ? ",\n    " : "\n    ") + measureVolume(argv[i], argv[i + 1]);
-    }
-    std::ofstream out(argv[1]);
-    out << "{\n  \"machine\": \"" << machine() << "\",\n  \"volume\": [" << entries << "\n  ]\n}\n";
-    if (!out.flush())
-    {
-      throw Error(std::string(argv[1]) + ": cannot be written");
-    }
+    treeamr::bench::run(*options);
   }
   catch (const std::exception& error)
   {

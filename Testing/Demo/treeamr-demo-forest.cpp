@@ -1,7 +1,8 @@
-// Writes the demo's data: the Mandelbulb on the unit cube as a forest of libp4est, one double per quadrant
-// (the field at the cell's centre), balanced across faces, edges and corners.
+// Writes the data of demo and benchmark: an example field on the unit cube as a forest of libp4est, one
+// double per quadrant (the field at the cell's centre), balanced across faces, edges and corners.
 //
-// treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold]   (4 7 0.05: 305,096 cells)
+// treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet]]
+// By default 4 7 0.05 mandelbulb: 305,096 cells.
 #include "ExampleFields.h"
 #include "Support/ForestWriter.h"
 
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <string>
 #include <string_view>
 
 namespace
@@ -24,41 +26,64 @@ bool parse(std::string_view text, Number& number)
   return code == std::errc() && end == text.data() + text.size();
 }
 
-} // namespace
-
-int main(int argc, char* argv[])
+struct Refinement
 {
   int minLevel = 4;
   int maxLevel = 7;
   double threshold = 0.05;
+};
+
+template <class Field>
+void writeForest(const std::string& path, const Refinement& refinement, const Field& field)
+{
+  auto forest = treeamr::test::ForestWriter::unitCube();
+  forest.refine([&](const ForestQuadrant& cell) {
+    const double width = std::ldexp(1., -cell.level);
+    return cell.level < refinement.minLevel ||
+      (cell.level < refinement.maxLevel &&
+        treeamr::rangeOverProbes(field,
+          { cell.index[0] * width, cell.index[1] * width, cell.index[2] * width },
+          width) > refinement.threshold);
+  });
+  forest.balance(treeamr::test::Balance::Full);
+  forest.setPayload(sizeof(double), [&](const ForestQuadrant& cell, std::byte* payload) {
+    const double width = std::ldexp(1., -cell.level);
+    const double value =
+      field((cell.index[0] + 0.5) * width, (cell.index[1] + 0.5) * width, (cell.index[2] + 0.5) * width);
+    std::memcpy(payload, &value, sizeof(value));
+  });
+  forest.save(path);
+  std::cout << forest.quadrantCount() << " cells\n";
+}
+
+} // namespace
+
+int main(int argc, char* argv[])
+{
+  Refinement refinement;
+  const std::string_view field = argc > 5 ? argv[5] : "mandelbulb";
   const bool understood = argc == 2 ||
-    (argc == 5 && parse(argv[2], minLevel) && parse(argv[3], maxLevel) && parse(argv[4], threshold));
-  if (!understood || minLevel < 0 || maxLevel < minLevel ||
-    maxLevel > treeamr::test::ForestWriter::maxLevel || std::isnan(threshold))
+    ((argc == 5 || argc == 6) && parse(argv[2], refinement.minLevel) && parse(argv[3], refinement.maxLevel) &&
+      parse(argv[4], refinement.threshold));
+  if (!understood || refinement.minLevel < 0 || refinement.maxLevel < refinement.minLevel ||
+    refinement.maxLevel > treeamr::test::ForestWriter::maxLevel || std::isnan(refinement.threshold) ||
+    (field != "mandelbulb" && field != "sheet"))
   {
-    std::cerr << "usage: treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold]   (4 7 0.05)\n"
-              << "0 <= minLevel <= maxLevel <= " << treeamr::test::ForestWriter::maxLevel << '\n';
+    std::cerr << "usage: treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet]]\n"
+              << "by default 4 7 0.05 mandelbulb; 0 <= minLevel <= maxLevel <= "
+              << treeamr::test::ForestWriter::maxLevel << '\n';
     return 2;
   }
   try
   {
-    auto forest = treeamr::test::ForestWriter::unitCube();
-    forest.refine([&](const ForestQuadrant& cell) {
-      const double width = std::ldexp(1., -cell.level);
-      return cell.level < minLevel ||
-        (cell.level < maxLevel &&
-          treeamr::rangeOverProbes(treeamr::mandelbulb,
-            { cell.index[0] * width, cell.index[1] * width, cell.index[2] * width }, width) > threshold);
-    });
-    forest.balance(treeamr::test::Balance::Full);
-    forest.setPayload(sizeof(double), [](const ForestQuadrant& cell, std::byte* payload) {
-      const double width = std::ldexp(1., -cell.level);
-      const double value = treeamr::mandelbulb(
-        (cell.index[0] + 0.5) * width, (cell.index[1] + 0.5) * width, (cell.index[2] + 0.5) * width);
-      std::memcpy(payload, &value, sizeof(value));
-    });
-    forest.save(argv[1]);
-    std::cout << forest.quadrantCount() << " cells\n";
+    if (field == "sheet")
+    {
+      writeForest(argv[1], refinement, treeamr::Sheet());
+    }
+    else
+    {
+      writeForest(argv[1], refinement, treeamr::mandelbulb);
+    }
   }
   catch (const std::exception& error)
   {

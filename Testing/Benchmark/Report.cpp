@@ -1,0 +1,95 @@
+#include "Report.h"
+
+#include "Error.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iomanip>
+#include <thread>
+
+namespace treeamr::bench
+{
+
+namespace
+{
+
+constexpr int nameWidth = 16;
+constexpr int minColumnWidth = 8;
+
+int columnWidth(const Figure& figure)
+{
+  return std::max(minColumnWidth, static_cast<int>(std::strlen(figure.heading)));
+}
+
+std::string machine()
+{
+  std::string model = "unknown";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+  {
+    if (line.starts_with("model name"))
+    {
+      model = line.substr(line.find(':') + 2);
+      break;
+    }
+  }
+  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+}
+
+} // namespace
+
+void Report::add(Row row)
+{
+  if (rows_.empty())
+  {
+    std::printf("%-*s", nameWidth, "");
+    for (const Figure& f : row.figures)
+    {
+      if (f.heading)
+      {
+        std::printf("  %*s", columnWidth(f), f.heading);
+      }
+    }
+    std::printf("\n");
+  }
+  std::printf("%-*s", nameWidth, row.dataSet.c_str());
+  for (const Figure& f : row.figures)
+  {
+    if (f.heading)
+    {
+      std::printf("  %*.*f", columnWidth(f), f.decimals, f.scale * f.value);
+    }
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+  rows_.push_back(std::move(row));
+}
+
+void Report::writeJson(const std::string& path) const
+{
+  std::ofstream out(path);
+  out << std::setprecision(10) << "{\n  \"machine\": \"" << machine() << "\",\n  \"volume\": [";
+  const char* separator = "\n";
+  for (const Row& row : rows_)
+  {
+    out << separator << "    {\"dataset\": \"" << row.dataSet << '"';
+    for (const Figure& f : row.figures)
+    {
+      if (f.key)
+      {
+        out << ", \"" << f.key << "\": " << f.value;
+      }
+    }
+    out << '}';
+    separator = ",\n";
+  }
+  out << "\n  ]\n}\n";
+  if (!out.flush())
+  {
+    throw Error(path + ": cannot be written");
+  }
+}
+
+} // namespace treeamr::bench

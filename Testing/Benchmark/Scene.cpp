@@ -1,0 +1,98 @@
+#include "Scene.h"
+
+#include "Error.h"
+#include "P4estForestFile.h"
+#include "Support/Cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+namespace treeamr::bench
+{
+
+namespace
+{
+
+/// color(u) gives red, green and blue, extinction(u) is per edge length, both for u of [0, max].
+template <class Color, class Extinction>
+TransferFunction tabulate(float max, const Color& color, const Extinction& extinction)
+{
+  constexpr int size = 4096;
+  std::vector<TransferFunction::Entry> entries;
+  for (int i = 0; i < size; ++i)
+  {
+    const float u = max * static_cast<float>(i) / (size - 1);
+    const auto [r, g, b] = color(u);
+    entries.push_back({ r, g, b, extinction(u) });
+  }
+  return TransferFunction(0., max, std::move(entries));
+}
+
+TransferFunction mandelbulbTransferFunction()
+{
+  return tabulate(
+    1.f,
+    [](float u) {
+      return std::array{ u, 1.f - u, 0.5f };
+    },
+    [](float u) {
+      const float rise = std::max(0.f, u - 0.3f) / 0.6f;
+      return 60.f * std::min(1.f, rise * rise);
+    });
+}
+
+TransferFunction sheetTransferFunction()
+{
+  return tabulate(
+    2.f,
+    [](float u) {
+      return std::array{ std::min(1.f, u), 0.9f - 0.4f * u, std::max(0.f, 1.f - u) };
+    },
+    [](float u) { return 30.f * std::clamp(1.2f * (u - 0.15f), 0.f, 1.f); });
+}
+
+} // namespace
+
+std::vector<Scene> makeScenes()
+{
+  return { { "mandelbulb-0.3M", mandelbulbTransferFunction() },
+    { "mandelbulb-2.6M", mandelbulbTransferFunction() }, { "mandelbulb-20M", mandelbulbTransferFunction() },
+    { "sheet-23M", sheetTransferFunction() } };
+}
+
+Camera makeCamera()
+{
+  constexpr int pixels = 1000;
+  const double elevation = 25. * std::numbers::pi / 180.;
+  const double azimuth = 35. * std::numbers::pi / 180.;
+  const Vec3 eye{ 0.5 + 1.6 * std::cos(elevation) * std::sin(azimuth), 0.5 + 1.6 * std::sin(elevation),
+    0.5 + 1.6 * std::cos(elevation) * std::cos(azimuth) };
+  const Matrix4 view = test::lookAt(eye, { 0.5, 0.5, 0.5 }, { 0., 1., 0. });
+  return Camera(test::multiply(test::perspective(40., 0.1, 10.), view), test::identityMatrix, pixels, pixels);
+}
+
+Forest readForest(const std::string& path)
+{
+  const P4estForestFile file(path);
+  if (file.treeCount() != 1 || file.payloadSize() != sizeof(double))
+  {
+    throw Error(path + ": " + std::to_string(file.treeCount()) + " trees and " +
+      std::to_string(file.payloadSize()) + " bytes per quadrant, allowed are 1 and 8");
+  }
+  Forest forest;
+  forest.cells.reserve(file.quadrantCount());
+  file.visitQuadrants([&](const P4estQuadrant& q) {
+    double value;
+    std::memcpy(&value, q.payload, sizeof(value));
+    forest.cells.push_back(
+      { { { q.index[0], q.index[1], q.index[2] }, q.level }, static_cast<float>(value) });
+    // In Morton order the levels say where the cells are.
+    forest.digest.add(static_cast<std::uint64_t>(q.level));
+    forest.digest.add(value);
+  });
+  return forest;
+}
+
+} // namespace treeamr::bench
