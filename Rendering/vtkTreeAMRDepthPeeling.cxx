@@ -38,12 +38,12 @@ void main()
 const char* const outsideShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
-uniform sampler2D treeamrFront;
-uniform sampler2D treeamrBack;
+//TreeAMR::Front::Dec
+//TreeAMR::Back::Dec
 void main()
 {
-  gl_FragData[0] = texture2D(treeamrBack, texCoord);
-  gl_FragData[1] = texture2D(treeamrFront, texCoord);
+  gl_FragData[0] = treeamrBack();
+  gl_FragData[1] = treeamrFront();
 }
 )";
 
@@ -51,14 +51,14 @@ void main()
 const char* const peelShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
-uniform sampler2D treeamrFront;
-uniform sampler2D treeamrBack;
+//TreeAMR::Front::Dec
+//TreeAMR::Back::Dec
 uniform sampler2D lastFrontColorTex;
 void main()
 {
-  vec4 front = texture2D(treeamrFront, texCoord);
+  vec4 front = treeamrFront();
   vec4 last = texture2D(lastFrontColorTex, texCoord);
-  gl_FragData[0] = texture2D(treeamrBack, texCoord);
+  gl_FragData[0] = treeamrBack();
   gl_FragData[1] = last + (1.0 - last.a) * front;
 }
 )";
@@ -66,10 +66,10 @@ void main()
 const char* const remainderShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
-uniform sampler2D treeamrBack;
+//TreeAMR::Back::Dec
 void main()
 {
-  gl_FragData[0] = texture2D(treeamrBack, texCoord);
+  gl_FragData[0] = treeamrBack();
 }
 )";
 
@@ -137,29 +137,10 @@ constexpr float none = -1.f;
 } // anonymous namespace
 
 //------------------------------------------------------------------------------
-bool vtkTreeAMRRaySegments::IsEmpty() const
-{
-  for (std::size_t i = 0; i < this->Begin.size(); ++i)
-  {
-    if (this->Begin[i] < this->End[i])
-    {
-      return false;
-    }
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
 vtkTreeAMRDepthPeeling::vtkTreeAMRDepthPeeling()
   : ProbeQuad(probeShader)
-  , OutsideQuad(outsideShader)
-  , PeelQuad(peelShader)
-  , RemainderQuad(remainderShader)
 {
 }
-
-//------------------------------------------------------------------------------
-vtkTreeAMRDepthPeeling::~vtkTreeAMRDepthPeeling() = default;
 
 //------------------------------------------------------------------------------
 vtkOpenGLRenderPass* vtkTreeAMRDepthPeeling::FindPass(vtkProp* volume)
@@ -284,38 +265,41 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
 }
 
 //------------------------------------------------------------------------------
-vtkTreeAMRQuad& vtkTreeAMRDepthPeeling::StageQuad()
+const char* vtkTreeAMRDepthPeeling::StageShader() const
 {
   switch (this->CurrentStage)
   {
     case Stage::Outside:
-      return this->OutsideQuad;
+      return outsideShader;
     case Stage::Peel:
-      return this->PeelQuad;
+      return peelShader;
     case Stage::Remainder:
       break;
   }
-  return this->RemainderQuad;
+  return remainderShader;
 }
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRDepthPeeling::Draw(
-  vtkRenderer* renderer, const treeamr::Image& front, const treeamr::Image& back)
+  vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back)
 {
   vtkOpenGLRenderWindow* window = vtkTreeAMRFramebuffer::GetWindow(renderer);
   const bool hasFront = this->CurrentStage != Stage::Remainder;
-  this->Back.Upload(window, back.width, back.height, 4, back.rgba.data());
+  std::string shader = this->StageShader();
+  this->Back.Upload(window, back);
+  vtkShaderProgram::Substitute(shader, "//TreeAMR::Back::Dec", this->Back.GetDeclaration());
   if (hasFront)
   {
-    this->Front.Upload(window, front.width, front.height, 4, front.rgba.data());
+    this->Front.Upload(window, front);
+    vtkShaderProgram::Substitute(shader, "//TreeAMR::Front::Dec", this->Front.GetDeclaration());
   }
-  vtkTreeAMRQuad& quad = this->StageQuad();
+  vtkTreeAMRQuad& quad = this->StageQuads.Get(shader);
   vtkShaderProgram* program = quad.Use(window);
-  const vtkTreeAMRFloatTexture::Binding backBinding(this->Back, program, "treeamrBack");
-  std::optional<vtkTreeAMRFloatTexture::Binding> frontBinding;
+  const vtkTreeAMRRayTexture::Binding backBinding(this->Back, program);
+  std::optional<vtkTreeAMRRayTexture::Binding> frontBinding;
   if (hasFront)
   {
-    frontBinding.emplace(this->Front, program, "treeamrFront");
+    frontBinding.emplace(this->Front, program);
   }
   if (this->CurrentStage == Stage::Peel)
   {
@@ -327,10 +311,8 @@ void vtkTreeAMRDepthPeeling::Draw(
 //------------------------------------------------------------------------------
 void vtkTreeAMRDepthPeeling::ReleaseGraphicsResources(vtkWindow* window)
 {
-  for (vtkTreeAMRQuad* quad : { &this->ProbeQuad, &this->OutsideQuad, &this->PeelQuad, &this->RemainderQuad })
-  {
-    quad->ReleaseGraphicsResources();
-  }
+  this->ProbeQuad.ReleaseGraphicsResources();
+  this->StageQuads.ReleaseGraphicsResources();
   this->Front.ReleaseGraphicsResources(window);
   this->Back.ReleaseGraphicsResources(window);
 }

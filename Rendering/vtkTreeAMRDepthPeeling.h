@@ -11,10 +11,8 @@
 // and two volumes in the same pixels are blended by maximum: both are limits of the pass.
 #pragma once
 
-#include "RayTracing/Image.h"
 #include "vtkTreeAMRQuad.h"
-
-#include <vector>
+#include "vtkTreeAMRRayImage.h"
 
 class vtkAbstractMapper;
 class vtkOpenGLRenderPass;
@@ -22,19 +20,10 @@ class vtkProp;
 class vtkRenderer;
 class vtkWindow;
 
-/// A part of each pixel's ray in window depths, lower left first; nothing where Begin >= End.
-struct vtkTreeAMRRaySegments
-{
-  std::vector<float> Begin;
-  std::vector<float> End;
-  bool IsEmpty() const;
-};
-
 class vtkTreeAMRDepthPeeling
 {
 public:
   vtkTreeAMRDepthPeeling();
-  ~vtkTreeAMRDepthPeeling();
   vtkTreeAMRDepthPeeling(const vtkTreeAMRDepthPeeling&) = delete;
   vtkTreeAMRDepthPeeling& operator=(const vtkTreeAMRDepthPeeling&) = delete;
 
@@ -42,11 +31,13 @@ public:
   /// the framebuffer.
   static bool IsPeeling(vtkProp* volume);
 
-  /// The segments to trace now. width x height is the viewport. Throws treeamr::Error.
+  /// The segments to trace now, for width x height pixels of the viewport. Throws treeamr::Error.
   void Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume, int width, int height,
     vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back);
-  /// The premultiplied images of the two segments. Throws treeamr::Error.
-  void Draw(vtkRenderer* renderer, const treeamr::Image& front, const treeamr::Image& back);
+  /// Whether Begin() was the first one of its frame.
+  bool IsFrameStart() const { return this->CurrentStage == Stage::Outside; }
+  /// The images of the two segments. Throws treeamr::Error.
+  void Draw(vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 
@@ -59,14 +50,12 @@ private:
   };
   static vtkOpenGLRenderPass* FindPass(vtkProp* volume);
   static Stage FindStage(vtkOpenGLRenderPass* pass, vtkAbstractMapper* mapper, vtkProp* volume);
-  vtkTreeAMRQuad& StageQuad();
+  const char* StageShader() const;
 
   Stage CurrentStage = Stage::Outside;
   int LastFrontColorUnit = 0;
   vtkTreeAMRQuad ProbeQuad; // never drawn: holds the texture units that the pass sets
-  vtkTreeAMRQuad OutsideQuad;
-  vtkTreeAMRQuad PeelQuad;
-  vtkTreeAMRQuad RemainderQuad;
-  vtkTreeAMRFloatTexture Front;
-  vtkTreeAMRFloatTexture Back;
+  vtkTreeAMRQuadSet StageQuads;
+  vtkTreeAMRRayTexture Front{ "treeamrFront" };
+  vtkTreeAMRRayTexture Back{ "treeamrBack" };
 };

@@ -13,7 +13,7 @@
 #include "vtkShaderProgram.h"
 
 #include <optional>
-#include <utility>
+#include <string>
 
 namespace
 {
@@ -21,10 +21,10 @@ namespace
 const char* const overShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
-uniform sampler2D treeamrColor;
+//TreeAMR::Image::Dec
 void main()
 {
-  gl_FragData[0] = texture2D(treeamrColor, texCoord);
+  gl_FragData[0] = treeamrImage();
 }
 )";
 
@@ -209,15 +209,6 @@ bool isAmbientOcclusion(vtkOpenGLRenderPass* pass)
 } // anonymous namespace
 
 //------------------------------------------------------------------------------
-vtkTreeAMRFramebuffer::vtkTreeAMRFramebuffer()
-  : OverQuad(overShader)
-{
-}
-
-//------------------------------------------------------------------------------
-vtkTreeAMRFramebuffer::~vtkTreeAMRFramebuffer() = default;
-
-//------------------------------------------------------------------------------
 vtkOpenGLRenderWindow* vtkTreeAMRFramebuffer::GetWindow(vtkRenderer* renderer)
 {
   vtkRenderWindow* window = renderer ? renderer->GetRenderWindow() : nullptr;
@@ -294,12 +285,15 @@ void vtkTreeAMRFramebuffer::ReadDepth(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRFramebuffer::DrawOver(vtkRenderer* renderer, const treeamr::Image& image)
+void vtkTreeAMRFramebuffer::DrawOver(vtkRenderer* renderer, const vtkTreeAMRRayImage& image)
 {
   vtkOpenGLRenderWindow* window = GetWindow(renderer);
   vtkOpenGLState* state = window->GetState();
-  this->Color.Upload(window, image.width, image.height, 4, image.rgba.data());
-  vtkShaderProgram* program = this->OverQuad.Use(window);
+  this->Over.Upload(window, image);
+  std::string shader = overShader;
+  vtkShaderProgram::Substitute(shader, "//TreeAMR::Image::Dec", this->Over.GetDeclaration());
+  vtkTreeAMRQuad& quad = this->OverQuads.Get(shader);
+  vtkShaderProgram* program = quad.Use(window);
 
   vtkOpenGLState::ScopedglDepthMask depthMask(state);
   vtkOpenGLState::ScopedglEnableDisable depthTest(state, GL_DEPTH_TEST);
@@ -310,8 +304,8 @@ void vtkTreeAMRFramebuffer::DrawOver(vtkRenderer* renderer, const treeamr::Image
   state->vtkglEnable(GL_BLEND);
   state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
 
-  const vtkTreeAMRFloatTexture::Binding color(this->Color, program, "treeamrColor");
-  this->OverQuad.Draw();
+  const vtkTreeAMRRayTexture::Binding binding(this->Over, program);
+  quad.Draw();
 }
 
 //------------------------------------------------------------------------------
@@ -347,12 +341,7 @@ vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractM
   {
     pass->PostReplaceShaderValues(vertexShader, geometryShader, fragmentShader, mapper, actor);
   }
-  std::unique_ptr<vtkTreeAMRQuad>& quad = this->SurfaceQuads[fragmentShader];
-  if (!quad)
-  {
-    quad = std::make_unique<vtkTreeAMRQuad>(fragmentShader);
-  }
-  return *quad;
+  return this->SurfaceQuads.Get(fragmentShader);
 }
 
 //------------------------------------------------------------------------------
@@ -415,8 +404,9 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
 //------------------------------------------------------------------------------
 void vtkTreeAMRFramebuffer::ReleaseGraphicsResources(vtkWindow* window)
 {
-  this->OverQuad.ReleaseGraphicsResources();
-  this->SurfaceQuads.clear();
+  this->OverQuads.ReleaseGraphicsResources();
+  this->Over.ReleaseGraphicsResources(window);
+  this->SurfaceQuads.ReleaseGraphicsResources();
   this->Color.ReleaseGraphicsResources(window);
   this->Depth.ReleaseGraphicsResources(window);
   this->Position.ReleaseGraphicsResources(window);

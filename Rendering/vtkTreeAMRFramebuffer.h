@@ -5,12 +5,9 @@
 // and, in debugging builds of VTK, compares the two at every call.
 #pragma once
 
-#include "RayTracing/Image.h"
 #include "vtkTreeAMRQuad.h"
+#include "vtkTreeAMRRayImage.h"
 
-#include <map>
-#include <memory>
-#include <string>
 #include <vector>
 
 class vtkAbstractMapper;
@@ -42,8 +39,7 @@ struct vtkTreeAMRSurfaceImage
 class vtkTreeAMRFramebuffer
 {
 public:
-  vtkTreeAMRFramebuffer();
-  ~vtkTreeAMRFramebuffer();
+  vtkTreeAMRFramebuffer() = default;
   vtkTreeAMRFramebuffer(const vtkTreeAMRFramebuffer&) = delete;
   vtkTreeAMRFramebuffer& operator=(const vtkTreeAMRFramebuffer&) = delete;
 
@@ -59,9 +55,9 @@ public:
   /// multisampled framebuffer one sample a pixel. Throws Error.
   void ReadDepth(vtkRenderer* renderer, const vtkTreeAMRViewport& viewport, std::vector<float>& depth);
 
-  /// Blends a premultiplied image over the framebuffer's colour and alpha (IceT composites with the alpha);
-  /// depth is neither tested nor written. Throws Error.
-  void DrawOver(vtkRenderer* renderer, const treeamr::Image& image);
+  /// Blends an image over the viewport's colour and alpha (IceT composites with the alpha); depth is neither
+  /// tested nor written. Throws Error.
+  void DrawOver(vtkRenderer* renderer, const vtkTreeAMRRayImage& image);
 
   /// Whether a pass around this prop's rendering takes positions and normals (vtkSSAOPass).
   static bool WantsGeometry(vtkProp* prop);
@@ -75,9 +71,10 @@ public:
 private:
   vtkTreeAMRQuad& SurfaceQuad(vtkActor* actor, vtkAbstractMapper* mapper);
 
-  vtkTreeAMRQuad OverQuad;
+  vtkTreeAMRQuadSet OverQuads;
+  vtkTreeAMRRayTexture Over{ "treeamrImage" };
   // The passes rewrite the shader and have stages of their own: one program for each text they make.
-  std::map<std::string, std::unique_ptr<vtkTreeAMRQuad>> SurfaceQuads;
+  vtkTreeAMRQuadSet SurfaceQuads;
   vtkTreeAMRFloatTexture Color;
   vtkTreeAMRFloatTexture Depth;
   vtkTreeAMRFloatTexture Position;

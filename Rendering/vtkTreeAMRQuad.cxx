@@ -71,6 +71,23 @@ void vtkTreeAMRQuad::ReleaseGraphicsResources()
 }
 
 //------------------------------------------------------------------------------
+vtkTreeAMRQuad& vtkTreeAMRQuadSet::Get(const std::string& fragmentShader)
+{
+  std::unique_ptr<vtkTreeAMRQuad>& quad = this->Quads[fragmentShader];
+  if (!quad)
+  {
+    quad = std::make_unique<vtkTreeAMRQuad>(fragmentShader);
+  }
+  return *quad;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRQuadSet::ReleaseGraphicsResources()
+{
+  this->Quads.clear();
+}
+
+//------------------------------------------------------------------------------
 vtkTreeAMRFloatTexture::vtkTreeAMRFloatTexture()
   : Texture(vtkSmartPointer<vtkTextureObject>::New())
 {

@@ -7,6 +7,7 @@
 #include "vtkSmartPointer.h"
 #include "vtkWeakPointer.h"
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -39,7 +40,18 @@ private:
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
 };
 
-/// A 2D texture of floats, one texel a pixel.
+/// Quads by their fragment shaders, made when first asked for.
+class vtkTreeAMRQuadSet
+{
+public:
+  vtkTreeAMRQuad& Get(const std::string& fragmentShader);
+  void ReleaseGraphicsResources();
+
+private:
+  std::map<std::string, std::unique_ptr<vtkTreeAMRQuad>> Quads;
+};
+
+/// A 2D texture of floats, read without interpolation.
 class vtkTreeAMRFloatTexture
 {
 public:

@@ -10,21 +10,87 @@
 #include "RayTracing/VolumeRenderer.h"
 
 #include "vtkCommand.h"
+#include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPlaneCollection.h"
+#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkTable.h"
 #include "vtkTimerLog.h"
+#include "vtkTypeInt64Array.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 vtkStandardNewMacro(vtkTreeAMRVolumeMapper);
+
+namespace
+{
+
+/// Frames a second from which on a window is taken to be interactive: less than a second a frame.
+constexpr double interactiveUpdateRate = 1.;
+
+/// What a frame did. Depth peeling draws one in many parts.
+struct Frame
+{
+  // Not dereferenced.
+  std::pair<vtkRenderer*, vtkVolume*> Of{ nullptr, nullptr };
+  int Pixels = 0;
+  bool Interactive = false;
+  double ImageSampleDistance = 0.;
+  double LevelOfDetail = 0.;
+  treeamr::VolumeStatistics Counts;
+  double RayCastingSeconds = 0.;
+  double CompositingSeconds = 0.;
+};
+
+/// Adds the wall-clock seconds of its own lifetime.
+class Stopwatch
+{
+public:
+  explicit Stopwatch(double& sum)
+    : Sum(sum)
+    , Start(vtkTimerLog::GetUniversalTime())
+  {
+  }
+  ~Stopwatch() { this->Sum += vtkTimerLog::GetUniversalTime() - this->Start; }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+  double& Sum;
+  double Start;
+};
+
+template <typename Array, typename Value>
+void addColumn(vtkTable* table, const char* name, Value value)
+{
+  vtkNew<Array> column;
+  column->SetName(name);
+  column->InsertNextValue(value);
+  table->AddColumn(column);
+}
+
+void addColumn(vtkTable* table, const char* name, std::uint64_t value)
+{
+  addColumn<vtkTypeInt64Array>(table, name, static_cast<vtkTypeInt64>(value));
+}
+
+void addColumn(vtkTable* table, const char* name, double value)
+{
+  addColumn<vtkDoubleArray>(table, name, value);
+}
+
+} // anonymous namespace
 
 //------------------------------------------------------------------------------
 struct vtkTreeAMRVolumeMapper::Internals
@@ -38,6 +104,7 @@ struct vtkTreeAMRVolumeMapper::Internals
 
   std::shared_ptr<const treeamr::Field> Field;
   vtkTimeStamp FieldTime;
+  double FieldSeconds = 0.;
   std::unique_ptr<treeamr::VertexCache> Kept; // of this field, of this size in MiB
   int KeptSize = 0;
   // Of this property at this time, for this field.
@@ -45,6 +112,12 @@ struct vtkTreeAMRVolumeMapper::Internals
   vtkVolumeProperty* Property = nullptr; // not dereferenced
   vtkMTimeType PropertyTime = 0;
   vtkTimeStamp TransferFunctionTime;
+  double TransferFunctionSeconds = 0.;
+
+  Frame CurrentFrame;
+  // Of this field with this transfer function.
+  std::map<std::pair<vtkRenderer*, vtkVolume*>, treeamr::SampleDistanceControl> SampleDistances;
+  vtkNew<vtkTable> Statistics;
 };
 
 //------------------------------------------------------------------------------
@@ -65,10 +138,19 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "SamplesPerCell: " << this->SamplesPerCell << endl;
   os << indent << "SkipEmptySpace: " << this->SkipEmptySpace << endl;
   os << indent << "VertexCacheSize: " << this->VertexCacheSize << endl;
-  os << indent << "LastNumberOfNodes: " << this->LastNumberOfNodes << endl;
-  os << indent << "LastNumberOfCells: " << this->LastNumberOfCells << endl;
-  os << indent << "LastNumberOfSamples: " << this->LastNumberOfSamples << endl;
-  os << indent << "BuildSeconds: " << this->BuildSeconds << endl;
+  os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << endl;
+  os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << endl;
+  os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << endl;
+  os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << endl;
+  os << indent << "InteractiveRenderTime: " << this->InteractiveRenderTime << endl;
+  os << indent << "LevelOfDetail: " << this->LevelOfDetail << endl;
+  os << indent << "Statistics:" << endl;
+  vtkTable* statistics = this->GetStatistics();
+  for (vtkIdType i = 0; i < statistics->GetNumberOfColumns(); ++i)
+  {
+    os << indent.GetNextIndent() << statistics->GetColumnName(i) << ": "
+       << statistics->GetValue(0, i).ToString() << endl;
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -104,17 +186,30 @@ double* vtkTreeAMRVolumeMapper::GetBounds()
 }
 
 //------------------------------------------------------------------------------
-vtkIdType vtkTreeAMRVolumeMapper::GetNumberOfCells()
+vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
 {
-  const auto& field = this->Private->Field;
-  return field ? static_cast<vtkIdType>(field->octree().leafCount()) : 0;
-}
-
-//------------------------------------------------------------------------------
-vtkTypeUInt64 vtkTreeAMRVolumeMapper::GetOctreeBytes()
-{
-  const auto& field = this->Private->Field;
-  return field ? field->byteSize() + field->octree().byteSize() : 0;
+  const Internals& internals = *this->Private;
+  const Frame& frame = internals.CurrentFrame;
+  const treeamr::Field* field = internals.Field.get();
+  vtkTable* table = internals.Statistics;
+  table->Initialize();
+  addColumn(table, "Cells", field ? field->octree().leafCount() : 0);
+  addColumn(table, "OctreeBytes", field ? field->byteSize() + field->octree().byteSize() : 0);
+  addColumn(table, "KeptBytes", internals.Kept ? internals.Kept->byteSize() : 0);
+  addColumn(table, "Rays", frame.Counts.rays);
+  addColumn(table, "Nodes", frame.Counts.nodes);
+  addColumn(table, "KeptBlocks", frame.Counts.kept);
+  addColumn(table, "ReconstructedBlocks", frame.Counts.blocks);
+  addColumn(table, "ReconstructedCells", frame.Counts.cells);
+  addColumn(table, "Intervals", frame.Counts.intervals);
+  addColumn(table, "Samples", frame.Counts.samples);
+  addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
+  addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
+  addColumn(table, "FieldSeconds", internals.FieldSeconds);
+  addColumn(table, "TransferFunctionSeconds", internals.TransferFunctionSeconds);
+  addColumn(table, "RayCastingSeconds", frame.RayCastingSeconds);
+  addColumn(table, "CompositingSeconds", frame.CompositingSeconds);
+  return table;
 }
 
 //------------------------------------------------------------------------------
@@ -136,6 +231,17 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
   {
     throw treeamr::Error(
       "volume mapper: blend mode " + std::to_string(this->BlendMode) + ", allowed is 0 (composite)");
+  }
+  for (const auto& [name, value] : { std::pair("image sample distance", this->ImageSampleDistance),
+         std::pair("minimum image sample distance", this->MinimumImageSampleDistance),
+         std::pair("maximum image sample distance", this->MaximumImageSampleDistance),
+         std::pair("interactive render time", this->InteractiveRenderTime),
+         std::pair("level of detail", this->LevelOfDetail) })
+  {
+    if (std::isnan(value)) // passes VTK's clamping
+    {
+      throw treeamr::Error(std::string("volume mapper: the ") + name + " is not a number");
+    }
   }
   vtkPlaneCollection* planes = this->GetClippingPlanes();
   if (this->Cropping || (planes && planes->GetNumberOfItems() > 0))
@@ -160,18 +266,16 @@ void vtkTreeAMRVolumeMapper::UpdateField()
   selection.name = treeamr::selectedCellArrayName(grid, this->ScalarMode, this->ArrayAccessMode,
     this->ArrayId, this->ArrayName, treeamr::defaultCellArrayName(grid));
   selection.component = this->VectorMode == COMPONENT ? this->VectorComponent : -1;
-  vtkNew<vtkTimerLog> timer;
-  timer->StartTimer();
-  const std::shared_ptr<const treeamr::Field>& field =
-    this->Private->FieldSlot.acquire(grid, selection, true);
-  timer->StopTimer();
-  if (field != this->Private->Field)
+  Internals& internals = *this->Private;
+  const double start = vtkTimerLog::GetUniversalTime();
+  const std::shared_ptr<const treeamr::Field>& field = internals.FieldSlot.acquire(grid, selection, true);
+  if (field != internals.Field)
   {
-    this->BuildSeconds = timer->GetElapsedTime();
-    this->Private->Field = field;
-    this->Private->Kept.reset();
-    this->Private->FieldTime.Modified();
-    this->Private->TransferFunction.reset();
+    internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
+    internals.Field = field;
+    internals.Kept.reset();
+    internals.FieldTime.Modified();
+    internals.TransferFunction.reset();
   }
 }
 
@@ -197,6 +301,9 @@ void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
     internals.PropertyTime != property->GetMTime())
   {
     internals.TransferFunction.reset();
+    internals.SampleDistances.clear();
+    internals.TransferFunctionSeconds = 0.;
+    const Stopwatch stopwatch(internals.TransferFunctionSeconds);
     internals.TransferFunction = treeamr::convertTransferFunction(property, internals.Field->range());
     internals.Property = property;
     // Asking for functions that were never set has made them.
@@ -206,51 +313,112 @@ void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels)
+{
+  Internals& internals = *this->Private;
+  const Frame& last = internals.CurrentFrame;
+  const auto measured = internals.SampleDistances.find(last.Of);
+  if (measured != internals.SampleDistances.end() && last.RayCastingSeconds > 0.)
+  {
+    measured->second.record(last.ImageSampleDistance, last.RayCastingSeconds / last.Pixels, last.Interactive);
+  }
+
+  Frame frame;
+  frame.Of = { renderer, volume };
+  frame.Pixels = pixels;
+  frame.ImageSampleDistance = this->ImageSampleDistance;
+  if (this->AutoAdjustSampleDistances)
+  {
+    treeamr::SampleDistanceControl& control = internals.SampleDistances[frame.Of];
+    frame.ImageSampleDistance = this->MinimumImageSampleDistance;
+    frame.Interactive = renderer->GetRenderWindow()->GetDesiredUpdateRate() >= interactiveUpdateRate;
+    if (frame.Interactive)
+    {
+      const double seconds =
+        this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : volume->GetAllocatedRenderTime();
+      frame.ImageSampleDistance =
+        control.choose(seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
+      frame.LevelOfDetail = this->LevelOfDetail;
+    }
+  }
+  internals.CurrentFrame = frame;
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volume)
 {
   Internals& internals = *this->Private;
+  Frame& frame = internals.CurrentFrame;
   this->CheckSettings();
   this->UpdateField();
   this->UpdateVertexCache();
   this->UpdateTransferFunction(volume);
-
   const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
-  const treeamr::Camera camera(
-    treeamr::clipFromData(renderer, volume), treeamr::worldFromData(volume), viewport.Width, viewport.Height);
-  const treeamr::VolumeSettings settings{ this->SamplesPerCell, this->SkipEmptySpace };
-  treeamr::VolumeStatistics statistics;
-  const auto trace = [&](const treeamr::DepthInterval& interval, treeamr::Image& image) {
-    statistics += treeamr::renderVolume(
-      *internals.Field, *internals.TransferFunction, camera, interval, settings, *internals.Kept, image);
+  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
+  const treeamr::Matrix4 worldFromData = treeamr::worldFromData(volume);
+
+  const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
+    const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
+    vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
+    vtkTreeAMRRaySegments reduced;
+    if (!reduction.isFull())
+    {
+      const Stopwatch stopwatch(frame.CompositingSeconds);
+      reduced = pixels.Reduce(reduction);
+      result.Lengths = pixels.GetLengths();
+    }
+    const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
+    if (!rays.IsEmpty())
+    {
+      const Stopwatch stopwatch(frame.RayCastingSeconds);
+      treeamr::VolumeSettings settings;
+      settings.samplesPerCell = this->SamplesPerCell;
+      settings.skipEmpty = this->SkipEmptySpace;
+      settings.levelOfDetailPixels = frame.LevelOfDetail;
+      frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction,
+        treeamr::Camera(clipFromData, worldFromData, reduction.width(), reduction.height()),
+        { rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data() },
+        settings, *internals.Kept, result.Image);
+    }
+    return result;
   };
 
-  treeamr::Image image(viewport.Width, viewport.Height);
+  const int pixels = viewport.Width * viewport.Height;
   if (vtkTreeAMRDepthPeeling::IsPeeling(volume))
   {
     vtkTreeAMRRaySegments front;
     vtkTreeAMRRaySegments back;
+    const double start = vtkTimerLog::GetUniversalTime();
     internals.DepthPeeling.Begin(renderer, this, volume, viewport.Width, viewport.Height, front, back);
-    treeamr::Image frontImage(viewport.Width, viewport.Height);
-    if (!front.IsEmpty())
+    const double begun = vtkTimerLog::GetUniversalTime();
+    if (internals.DepthPeeling.IsFrameStart())
     {
-      trace({ front.Begin.data(), front.End.data() }, frontImage);
+      this->StartFrame(renderer, volume, pixels);
     }
-    if (!back.IsEmpty())
-    {
-      trace({ back.Begin.data(), back.End.data() }, image);
-    }
-    internals.DepthPeeling.Draw(renderer, frontImage, image);
+    frame.CompositingSeconds += begun - start;
+    const vtkTreeAMRRayImage frontImage = trace(front);
+    const vtkTreeAMRRayImage backImage = trace(back);
+    const Stopwatch stopwatch(frame.CompositingSeconds);
+    internals.DepthPeeling.Draw(renderer, frontImage, backImage);
   }
   else
   {
-    std::vector<float> opaqueDepth;
-    internals.Framebuffer.ReadDepth(renderer, viewport, opaqueDepth);
-    trace({ nullptr, opaqueDepth.data() }, image);
+    this->StartFrame(renderer, volume, pixels);
+    vtkTreeAMRRaySegments segments;
+    {
+      const Stopwatch stopwatch(frame.CompositingSeconds);
+      std::vector<float>& end = segments.End;
+      internals.Framebuffer.ReadDepth(renderer, viewport, end);
+      // Nothing in the way: the renderer need not look at each ray's end.
+      if (std::all_of(end.begin(), end.end(), [](float depth) { return depth == 1.f; }))
+      {
+        end.clear();
+      }
+    }
+    const vtkTreeAMRRayImage image = trace(segments);
+    const Stopwatch stopwatch(frame.CompositingSeconds);
     internals.Framebuffer.DrawOver(renderer, image);
   }
-  this->LastNumberOfNodes = static_cast<vtkIdType>(statistics.nodes);
-  this->LastNumberOfCells = static_cast<vtkIdType>(statistics.cells);
-  this->LastNumberOfSamples = static_cast<vtkIdType>(statistics.samples);
 }
 
 //------------------------------------------------------------------------------

@@ -14,7 +14,9 @@
  * part in hardware selection.
  *
  * What is unchanged is not made again: a camera costs one frame, a colour map a table of 4096 entries, an
- * array its conversion. Needs an OpenGL window.
+ * array its conversion. While the render window asks for one frame a second or more (vtkRenderWindow::
+ * SetDesiredUpdateRate(), as interactors do while the camera moves) the image is traced with as few rays as
+ * fit the time; at lower rates it is always the full one. Needs an OpenGL window.
  */
 
 #ifndef vtkTreeAMRVolumeMapper_h
@@ -26,6 +28,7 @@
 #include <memory> // for std::unique_ptr
 
 class vtkHyperTreeGrid;
+class vtkTable;
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRVolumeMapper : public vtkVolumeMapper
 {
@@ -75,20 +78,62 @@ public:
   ///@}
 
   ///@{
-  /// What the last Render() did: inner nodes of the octree entered, cells whose values were reconstructed
-  /// (not found kept) and samples along rays.
-  vtkGetMacro(LastNumberOfNodes, vtkIdType);
-  vtkGetMacro(LastNumberOfCells, vtkIdType);
-  vtkGetMacro(LastNumberOfSamples, vtkIdType);
+  /// If on, the distance between rays is varied so that casting them takes the time allocated to the volume
+  /// (controlled by the desired update rate of the window and any culling in use; but see
+  /// InteractiveRenderTime), and interactive frames use LevelOfDetail. Frames of a window that asks for less
+  /// than one frame a second have the minimum distance and full detail. If off, every frame is traced at
+  /// ImageSampleDistance in full detail. Default on.
+  vtkSetMacro(AutoAdjustSampleDistances, bool);
+  vtkGetMacro(AutoAdjustSampleDistances, bool);
+  vtkBooleanMacro(AutoAdjustSampleDistances, bool);
   ///@}
   ///@{
-  /// Cells of the field in use, bytes of its octree, values, means and ranges, and wall-clock seconds that
-  /// the conversion took when the array was last acquired (next to none when another mapper had made it); 0
-  /// before the first Render().
-  vtkIdType GetNumberOfCells();
-  vtkTypeUInt64 GetOctreeBytes();
-  vtkGetMacro(BuildSeconds, double);
+  /// Distance between rays in pixels, from 1 (default) to 100, while AutoAdjustSampleDistances is off: 1 casts
+  /// one ray a pixel, 2 one for every 4 (2 by 2) pixels. An image of fewer rays is magnified bilinearly.
+  vtkSetClampMacro(ImageSampleDistance, double, 1., 100.);
+  vtkGetMacro(ImageSampleDistance, double);
   ///@}
+  ///@{
+  /// The least distance that AutoAdjustSampleDistances chooses, and that of all still frames. Default 1.
+  vtkSetClampMacro(MinimumImageSampleDistance, double, 1., 100.);
+  vtkGetMacro(MinimumImageSampleDistance, double);
+  ///@}
+  ///@{
+  /// The greatest distance that AutoAdjustSampleDistances chooses. Default 10. A greater minimum takes its
+  /// place.
+  vtkSetClampMacro(MaximumImageSampleDistance, double, 1., 100.);
+  vtkGetMacro(MaximumImageSampleDistance, double);
+  ///@}
+  ///@{
+  /// Seconds that casting the rays of an interactive frame may take. 0 (default) takes the time that VTK
+  /// allocates: an equal share, or one by the area covered, for each prop, as if all of them cost alike.
+  vtkSetClampMacro(InteractiveRenderTime, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(InteractiveRenderTime, double);
+  ///@}
+  ///@{
+  /// Interactive frames draw parts of the tree from means where its cells are smaller than this many pixels
+  /// of the traced image. 0 is off, default 1. Still frames are always drawn from the cells.
+  vtkSetClampMacro(LevelOfDetail, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(LevelOfDetail, double);
+  ///@}
+
+  /// What there is, and what the last frame did: one row with these columns. Counts and bytes are 64-bit
+  /// integers, the rest doubles; all are 0 before the first Render().
+  ///   Cells, OctreeBytes: of the field in use; octree, values, means and ranges
+  ///   KeptBytes: allocated for values that are kept between frames
+  ///   Rays, Nodes: rays cast, inner nodes entered
+  ///   KeptBlocks, ReconstructedBlocks, ReconstructedCells: blocks of cells whose vertex values were found kept
+  ///     or computed, and cells in the latter
+  ///   Intervals, Samples: groups of rays taken through a cell or block, samples along rays
+  ///   ImageSampleDistance: pixels between rays
+  ///   LevelOfDetail: pixels, 0 when it was off
+  ///   FieldSeconds: the conversion to the field in use, when it was made (next to none when another mapper
+  ///     had made it before)
+  ///   TransferFunctionSeconds: the table in use, when it was made
+  ///   RayCastingSeconds, CompositingSeconds: the frame's, the latter for reading depths, which waits for
+  ///     what OpenGL had to draw before, and for drawing the image
+  /// Belongs to the mapper, which fills it in when asked.
+  vtkTable* GetStatistics();
   ///@{
   /// Modification times of the field and of the transfer function's table in use; 0 before the first.
   vtkMTimeType GetFieldBuildTime();
@@ -113,10 +158,12 @@ protected:
   double SamplesPerCell = 2.;
   bool SkipEmptySpace = true;
   int VertexCacheSize = 512;
-  vtkIdType LastNumberOfNodes = 0;
-  vtkIdType LastNumberOfCells = 0;
-  vtkIdType LastNumberOfSamples = 0;
-  double BuildSeconds = 0.;
+  bool AutoAdjustSampleDistances = true;
+  double ImageSampleDistance = 1.;
+  double MinimumImageSampleDistance = 1.;
+  double MaximumImageSampleDistance = 10.;
+  double InteractiveRenderTime = 0.;
+  double LevelOfDetail = 1.;
 
 private:
   struct Internals;
@@ -125,6 +172,7 @@ private:
   void UpdateField();
   void UpdateVertexCache();
   void UpdateTransferFunction(vtkVolume* volume);
+  void StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels);
   void RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
   void Report(const char* message, vtkVolume* volume);
 

@@ -448,17 +448,21 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
     gatherChildren(level, refinedSlots[i]);
     besideRefined |= tables.slotsBeside[refinedSlots[i]];
   }
-  besideRefined = level.missing != 0 ? ~std::uint64_t(0) : besideRefined;
-  if (besideRefined != 0)
-  {
-    for (std::uint64_t slots = besideRefined & ~level.refined; slots != 0; slots &= slots - 1)
-    {
-      const int slot = std::countr_zero(slots);
-      level.childExists[slot] = level.missing >> slot & 1 ? 0 : 0xff;
-      level.childValue[slot].fill(level.value[slot]);
-    }
-  }
+  level.besideRefined = level.missing != 0 ? ~std::uint64_t(0) : besideRefined;
+  level.filled = false;
   level.hanging = verticesTouching(level.coarse);
+}
+
+/// Leaves beside refined nodes as if they had children, so that vertices need not ask which is which.
+void BlockEvaluator::fillLeaves(Level& level) const noexcept
+{
+  for (std::uint64_t slots = level.besideRefined & ~level.refined; slots != 0; slots &= slots - 1)
+  {
+    const int slot = std::countr_zero(slots);
+    level.childExists[slot] = level.missing >> slot & 1 ? 0 : 0xff;
+    level.childValue[slot].fill(level.value[slot]);
+  }
+  level.filled = true;
 }
 
 void BlockEvaluator::gatherChildren(Level& level, int slot) const noexcept
@@ -544,7 +548,7 @@ BlockEvaluator::Level& BlockEvaluator::withSpecial(
 /// Vertices on a face or edge of a coarser leaf lie between the vertices of that leaf's level around them. All
 /// of these are vertices of the path's node of that level, because that node touches them.
 void BlockEvaluator::computeSpecial(
-  const TreePath& path, int depth, const Level& level, const BlockVertexMask& wanted, double* out) noexcept
+  const TreePath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept
 {
   const BlockVertexMask hanging = both(wanted, level.hanging);
   if ((hanging[0] | hanging[1]) != 0)
@@ -577,6 +581,10 @@ void BlockEvaluator::computeSpecial(
     }
   }
   const BlockVertexMask lattice = without(wanted, level.hanging);
+  if (!level.filled && (lattice[0] | lattice[1]) != 0)
+  {
+    fillLeaves(level);
+  }
   for (unsigned axes = 0; axes < 8; ++axes)
   {
     forAxes(axes, [&]<unsigned Axes>() noexcept {
@@ -685,10 +693,40 @@ Range BlockEvaluator::rangeOfDrawn() const noexcept
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
-Range BlockEvaluator::hull(const TreePath& path) noexcept
+Range BlockEvaluator::bounds(const TreePath& path) noexcept
 {
-  evaluate(path);
-  return rangeOfDrawn();
+  const Level& level = levelAt(path, path.depth());
+  if ((level.refined | level.coarse | level.missing) == 0)
+  {
+    drawn_ = 0xff;
+    uniformValues(level);
+    return rangeOfDrawn();
+  }
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  const auto add = [&](double value) {
+    low = value < low ? value : low;
+    high = value > high ? value : high;
+  };
+  for (std::uint64_t slots = ~(level.refined | level.coarse | level.missing); slots != 0; slots &= slots - 1)
+  {
+    add(level.value[std::countr_zero(slots)]);
+  }
+  for (std::uint64_t slots = level.refined; slots != 0; slots &= slots - 1)
+  {
+    const int slot = std::countr_zero(slots);
+    unsigned touching = tables.childrenOfSlot[slot] & level.childExists[slot];
+    for (; touching != 0; touching &= touching - 1)
+    {
+      add(level.childValue[slot][std::countr_zero(touching)]);
+    }
+  }
+  const Neighbourhood& around = path.around(path.depth());
+  for (std::uint32_t entries = level.coarseEntries; entries != 0; entries &= entries - 1)
+  {
+    add(field_.value(around[std::countr_zero(entries)]));
+  }
+  return { static_cast<float>(low), static_cast<float>(high) };
 }
 
 void BlockEvaluator::compute(const TreePath& path, BlockValues& block) noexcept

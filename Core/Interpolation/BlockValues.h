@@ -39,8 +39,9 @@ public:
   {
   }
   void compute(const TreePath& path, BlockValues& block) noexcept;
-  /// The hull alone. Needs a leaf among the children.
-  Range hull(const TreePath& path) noexcept;
+  /// Contains the hull of a node with leaves among its children, for a fraction of the time: the hull where all
+  /// cells around are of one size, otherwise that of the values that take part.
+  Range bounds(const TreePath& path) noexcept;
 
 private:
   /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, and the vertices
@@ -58,6 +59,8 @@ private:
     std::array<std::uint8_t, 64> depth; // of the coarse
     std::uint32_t coarseEntries;        // their mask in the node's neighbourhood
     int coarsest;                       // depth of the coarsest, or the node's own
+    std::uint64_t besideRefined;        // whose childValue vertices may ask for,
+    bool filled;                        // and whether it is there
     BlockVertexMask hanging;            // vertices that touch the coarse
     BlockVertexMask known;              // of
     std::array<double, 125> special;
@@ -65,10 +68,11 @@ private:
 
   void gather(const TreePath& path, int depth, Level& level) const noexcept;
   void gatherChildren(Level& level, int slot) const noexcept;
+  void fillLeaves(Level& level) const noexcept;
   Level& levelAt(const TreePath& path, int depth) noexcept;
   Level& withSpecial(const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept;
   void computeSpecial(
-    const TreePath& path, int depth, const Level& level, const BlockVertexMask& wanted, double* out) noexcept;
+    const TreePath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
   double hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
   void uniformValues(const Level& level) noexcept;
   void evaluate(const TreePath& path) noexcept;

@@ -86,8 +86,6 @@ public:
     const Base& base = bases_[node >> BlockBits];
     return { n.masks.exists, n.masks.leaf, base.inner + n.innerDelta, base.leaf + n.leafDelta };
   }
-
-  /// Announces that children(node) will be asked for.
   void prefetch(std::uint64_t node) const noexcept
   {
 #if defined(__GNUC__)
@@ -129,10 +127,7 @@ public:
     nodes_[node].masks.exists |= masks.exists;
     nodes_[node].masks.leaf |= masks.leaf;
   }
-  std::uint64_t blockCount() const noexcept
-  {
-    return bases_.size();
-  }
+  std::uint64_t blockCount() const noexcept { return bases_.size(); }
   void finishBlock(std::uint64_t block) noexcept
   {
     const Base base = bases_[block];

@@ -197,27 +197,21 @@ public:
     const auto position = static_cast<float>(faintest);
     const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
       std::numeric_limits<float>::max(), false };
-    std::vector<Box> boxes(groups);
-    for (int group = 0; group < groups; ++group)
+    // Around the point of the middle ray at half of its length, wide enough for all.
+    constexpr int ray = tileRays / 2;
+    const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
+    const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
+    Box box;
+    for (int a = 0; a < 3; ++a)
     {
-      // Around the point of a middle ray at half of its length, twenty pixels wide.
-      const int ray = group * groupRays + groupRays / 2;
-      const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
-      const auto half = static_cast<float>(10. * (scene_.pixelWidth + scene_.pixelGrowth * t));
-      for (int a = 0; a < 3; ++a)
-      {
-        const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
-        boxes[group].min[a] = middle - half;
-        boxes[group].max[a] = middle + half;
-      }
+      const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
+      box.min[a] = middle - half;
+      box.max[a] = middle + half;
     }
-    // One group after the other, as in a frame: a group's next interval needs the end of its last.
+    const Lattice lattice(box);
     for (int repeat = 0; repeat < repeats; ++repeat)
     {
-      for (int group = 0; group < groups; ++group)
-      {
-        integrate(block, boxes[group], Lattice(boxes[group]), active & GroupMask(1) << group);
-      }
+      integrate(block, box, lattice, active);
     }
     writePixels(x0, y0);
   }

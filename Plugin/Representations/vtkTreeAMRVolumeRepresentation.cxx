@@ -137,3 +137,39 @@ void vtkTreeAMRVolumeRepresentation::SetVertexCacheSize(int size)
 {
   this->Mapper->SetVertexCacheSize(size);
 }
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetAutoAdjustSampleDistances(bool adjust)
+{
+  this->Mapper->SetAutoAdjustSampleDistances(adjust);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetImageSampleDistance(double distance)
+{
+  this->Mapper->SetImageSampleDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetMinimumImageSampleDistance(double distance)
+{
+  this->Mapper->SetMinimumImageSampleDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetMaximumImageSampleDistance(double distance)
+{
+  this->Mapper->SetMaximumImageSampleDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetInteractiveRenderTime(double seconds)
+{
+  this->Mapper->SetInteractiveRenderTime(seconds);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetLevelOfDetail(double pixels)
+{
+  this->Mapper->SetLevelOfDetail(pixels);
+}

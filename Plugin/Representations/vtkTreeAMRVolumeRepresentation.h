@@ -1,6 +1,10 @@
 // Direct volume rendering of a vtkHyperTreeGrid in ParaView's render view, by vtkTreeAMRVolumeMapper.
 //
 // Not a vtkVolumeRepresentation: its vtkPVLODVolume refuses to render a mapper whose input is no vtkDataSet.
+//
+// While the camera moves the view renders interactively, with drafts; the last one stays in the window until the
+// still frame is there. None comes between the two: when the camera stops, ParaView renders once, and again only
+// in programs that were started with streaming enabled.
 
 #ifndef vtkTreeAMRVolumeRepresentation_h
 #define vtkTreeAMRVolumeRepresentation_h
@@ -34,6 +38,15 @@ public:
   void SetSamplesPerCell(double samples);
   /// Memory in MiB for values kept from frame to frame.
   void SetVertexCacheSize(int size);
+  ///@{
+  /// Fewer rays while the camera moves; see vtkTreeAMRVolumeMapper.
+  void SetAutoAdjustSampleDistances(bool adjust);
+  void SetImageSampleDistance(double distance);
+  void SetMinimumImageSampleDistance(double distance);
+  void SetMaximumImageSampleDistance(double distance);
+  void SetInteractiveRenderTime(double seconds);
+  void SetLevelOfDetail(double pixels);
+  ///@}
 
 protected:
   vtkTreeAMRVolumeRepresentation();

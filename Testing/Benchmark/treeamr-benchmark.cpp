@@ -7,6 +7,7 @@
 // Bytes per cell: allocated, resident after the build without its input, and the build's peak beyond its
 // input. A kept frame finds vertex values of the frames before in the cache, a cold one begins without.
 #include "Error.h"
+#include "Limit.h"
 #include "Meter.h"
 #include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeReference.h"
@@ -133,8 +134,9 @@ Measurement measureVolume(const Options& options, const Scene& scene)
   const auto forget = [&] {
     kept = std::make_unique<VertexCache>(field->octree(), VolumeSettings::defaultKeptBytes);
   };
+  VolumeStatistics statistics;
   const auto frame = [&] {
-    renderVolume(*field, scene.transferFunction, camera, {}, options.settings, *kept, image);
+    statistics = renderVolume(*field, scene.transferFunction, camera, {}, options.settings, *kept, image);
   };
   const Seconds cold = best(forget, frame);
   const Seconds warm = best(frame);
@@ -157,6 +159,8 @@ Measurement measureVolume(const Options& options, const Scene& scene)
       { "cpu_s_frame_cold", cold.cpu, "cold CPU-s", 3 },
       { "wall_s_frame_cold", cold.wall, "cold wall", 3 },
       { "cpu_s_frame_scalar", scalar.cpu, "scalar", 2 },
+      { "limit_ratio",
+        limitSeconds(*field, scene.transferFunction, camera, statistics) / warm.cpu, "limit/CPU", 2 },
       { "psnr_db", psnr(image, reference), "dB", 2 },
       { "thread_speedup", single.wall / warm.wall, "1 thr/all", 2 },
       { "kept_bytes", static_cast<double>(kept->byteSize()), "kept MiB", 0, 1. / 1048576. },

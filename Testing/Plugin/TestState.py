@@ -7,6 +7,9 @@ from paraview import simple
 
 import scene
 
+MOTION = {"AutoAdjustSampleDistances": 0, "ImageSampleDistance": 1.5, "MinimumImageSampleDistance": 1.25,
+          "MaximumImageSampleDistance": 8, "InteractiveRenderTime": 0.075, "LevelOfDetail": 2}
+
 
 class TestState(scene.TestCase):
     def make(self, kind):
@@ -17,6 +20,8 @@ class TestState(scene.TestCase):
         representation.SetRepresentationType(kind)
         representation.ScalarOpacityUnitDistance = 0.7
         representation.SamplesPerCell = 3
+        for name, value in MOTION.items():
+            setattr(representation, name, value)
         representation.Isovalue = 6.5
         scene.look(view)
         return scene.picture(view, "state-before")
@@ -28,6 +33,8 @@ class TestState(scene.TestCase):
         self.assertEqual(kind, representation.Representation)
         self.assertEqual(0.7, representation.ScalarOpacityUnitDistance)
         self.assertEqual(3, representation.SamplesPerCell)
+        for name, value in MOTION.items():
+            self.assertEqual(value, getattr(representation, name), name)
         self.assertEqual(6.5, representation.Isovalue)
         self.assertEqual(["CELLS", "xyz"], list(representation.IsosurfaceArray))
         view.UseFXAA = 0  # ParaView's states do not keep it

@@ -8,6 +8,7 @@ import numpy
 from paraview import simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
+from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 
 BACKGROUND = (0, 0, 0)
 
@@ -64,7 +65,20 @@ def load(path):
     reader = vtkPNGReader()
     reader.SetFileName(path)
     reader.Update()
-    image = reader.GetOutput()
+    return array(reader.GetOutput())
+
+
+def shown(window):
+    """What a window shows, the same kind of array; nothing is rendered, as it would be for a screenshot."""
+    picture = vtkWindowToImageFilter()
+    picture.SetInput(window)
+    picture.ShouldRerenderOff()
+    picture.ReadFrontBufferOff()
+    picture.Update()
+    return array(picture.GetOutput())
+
+
+def array(image):
     columns, rows, _ = image.GetDimensions()
     return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1).astype(int)
 

@@ -227,6 +227,27 @@ TEST_F(MapperErrorsTest, samplesPerCell)
   }
 }
 
+TEST_F(MapperErrorsTest, settingsThatAreNoNumbers)
+{
+  using Setter = void (vtkTreeAMRVolumeMapper::*)(double);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  volumeMapper_->AutoAdjustSampleDistancesOff();
+  for (const auto& [name, set] : { std::pair<const char*, Setter>("the image sample distance",
+                                     &vtkTreeAMRVolumeMapper::SetImageSampleDistance),
+         std::pair<const char*, Setter>(
+           "the minimum image sample distance", &vtkTreeAMRVolumeMapper::SetMinimumImageSampleDistance),
+         std::pair<const char*, Setter>(
+           "the maximum image sample distance", &vtkTreeAMRVolumeMapper::SetMaximumImageSampleDistance),
+         std::pair<const char*, Setter>(
+           "the interactive render time", &vtkTreeAMRVolumeMapper::SetInteractiveRenderTime),
+         std::pair<const char*, Setter>("the level of detail", &vtkTreeAMRVolumeMapper::SetLevelOfDetail) })
+  {
+    expectVolumeError(
+      { name, "not a number" }, [&] { (volumeMapper_->*set)(nan); }, [&] { (volumeMapper_->*set)(1.); });
+    (volumeMapper_->*set)(1.);
+  }
+}
+
 TEST_F(MapperErrorsTest, unitDistance)
 {
   expectVolumeError(

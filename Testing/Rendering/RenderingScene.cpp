@@ -15,7 +15,9 @@
 #include "vtkPlaneSource.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkRenderStepsPass.h"
+#include "vtkTable.h"
 #include "vtkTextureObject.h"
+#include "vtkVariant.h"
 
 #include <algorithm>
 #include <cmath>
@@ -233,6 +235,14 @@ vtkTreeAMRIsosurfaceMapper* Scene::mapperOf(vtkActor* actor)
   return vtkTreeAMRIsosurfaceMapper::SafeDownCast(actor->GetMapper());
 }
 
+double Scene::statistic(vtkVolume* volume, const char* name)
+{
+  vtkTable* table = mapperOf(volume)->GetStatistics();
+  EXPECT_EQ(table->GetNumberOfRows(), 1);
+  EXPECT_NE(table->GetColumnByName(name), nullptr) << name;
+  return table->GetValueByName(0, name).ToDouble();
+}
+
 void Scene::setCamera(bool parallel)
 {
   vtkCamera* camera = this->renderer->GetActiveCamera();
@@ -241,6 +251,18 @@ void Scene::setCamera(bool parallel)
   camera->SetPosition(3.1, 2.2, 4.3);
   camera->SetViewUp(0., 1., 0.1);
   this->renderer->ResetCamera();
+}
+
+void Scene::setCameraAlongZ()
+{
+  vtkCamera* camera = this->renderer->GetActiveCamera();
+  camera->ParallelProjectionOn();
+  camera->SetFocalPoint(0., 0., 0.);
+  camera->SetPosition(0., 0., 5.);
+  camera->SetViewUp(0., 1., 0.);
+  // Half of the height; the longer side of the window is the width.
+  camera->SetParallelScale(0.9 * this->height() / this->width());
+  camera->SetClippingRange(2., 8.);
 }
 
 void Scene::useFloatTarget()

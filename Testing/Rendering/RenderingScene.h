@@ -79,9 +79,13 @@ public:
     const Point& center, const Point& halfU, const Point& halfV, const Color& color, double opacity = 1.);
   static vtkTreeAMRVolumeMapper* mapperOf(vtkVolume* volume);
   static vtkTreeAMRIsosurfaceMapper* mapperOf(vtkActor* actor);
+  /// A column of vtkTreeAMRVolumeMapper::GetStatistics().
+  static double statistic(vtkVolume* volume, const char* name);
 
   /// From an oblique direction, everything in view.
   void setCamera(bool parallel = false);
+  /// Parallel along z, nothing but the square [-0.9, 0.9]^2 in view.
+  void setCameraAlongZ();
   /// 32-bit float colours, for exact comparisons. Before the first render.
   void useFloatTarget();
 

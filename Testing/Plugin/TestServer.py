@@ -1,0 +1,64 @@
+"""Drafts and still frames that a server renders, on one rank or more, for a client.
+
+TestServer.py <client command>... -- <server command>...
+"""
+
+import socket
+import subprocess
+import sys
+
+
+def serve(client, server):
+    with socket.socket() as free:
+        free.bind(("localhost", 0))
+        port = str(free.getsockname()[1])
+    # It ends when the client does.
+    with subprocess.Popen(server + ["--server-port=" + port], text=True, stdout=subprocess.PIPE) as process:
+        try:
+            for line in process.stdout:
+                if "Accepting connection" in line:
+                    break
+            subprocess.run(client + [__file__, "--client", port], check=True)
+        except BaseException:
+            process.kill()
+            raise
+
+
+def use(port):
+    import numpy
+    from paraview import simple
+
+    import scene
+
+    simple.Connect("localhost", port)
+    view = scene.view()
+    # ParaView's own ways to make interactive frames cheap.
+    view.ImageReductionFactor = 1
+    view.CompressorConfig = "NULL"
+    source = simple.HyperTreeGridRandom(Dimensions=[5, 5, 5], OutputBounds=[-1, 1, -1, 1, -1, 1])
+    representation = simple.Show(source, view)
+    simple.ColorBy(representation, ("CELLS", "Depth"))
+    representation.SetRepresentationType("Tree AMR Volume")
+    representation.InteractiveRenderTime = 1e-9
+    scene.look(view)
+    simple.Render(view)
+    still = scene.shown(view.GetRenderWindow())
+    assert scene.drawn(still).mean() > 0.1
+
+    view.SMProxy.InteractiveRender()
+    draft = scene.shown(view.GetRenderWindow())
+    print("mean difference of the draft:", numpy.abs(draft - still).mean())
+    assert numpy.abs(draft - still).mean() > 1
+    simple.Render(view)
+    assert (scene.shown(view.GetRenderWindow()) == still).all()
+
+    representation.AutoAdjustSampleDistances = 0
+    view.SMProxy.InteractiveRender()
+    assert (scene.shown(view.GetRenderWindow()) == still).all()
+
+
+if sys.argv[1] == "--client":
+    use(int(sys.argv[2]))
+else:
+    separator = sys.argv.index("--")
+    serve(sys.argv[1:separator], sys.argv[separator + 1:])
