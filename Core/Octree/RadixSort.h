@@ -1,5 +1,6 @@
-// Parallel radix sort of records by an unsigned key, from the highest digit down: after the first pass each
-// part is sorted within a cache, and bits in which the keys of a part agree cost nothing.
+// Parallel radix sort of records by an unsigned key, from the highest digit down until few bits are left:
+// after the first pass each part is sorted within a cache, and bits in which the keys of a part agree cost
+// nothing.
 #pragma once
 
 #include <oneapi/tbb/blocked_range.h>
@@ -12,6 +13,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace treeamr
@@ -32,6 +35,7 @@ public:
 private:
   using Key = decltype(Record::key);
   static constexpr int maxDigitBits = 11;
+  static constexpr int maxPassBits = 10;
   static constexpr std::size_t parallelCount = std::size_t(1) << 17;
 
   struct Digit
@@ -62,8 +66,16 @@ private:
       }
       return;
     }
-    // A few records for each value of the digit, so that the next digit is the last.
     const int high = static_cast<int>(std::bit_width(varying));
+    // Few bits are left: from the lowest digit up, in so many passes that the last one ends in `result`.
+    const int passes = result == from ? 2 : 3;
+    const int passBits = (high + passes - 1) / passes;
+    if (count < parallelCount && passBits <= maxPassBits && count >> passBits != 0)
+    {
+      placeFromLowest(from, other, count, passes, passBits);
+      return;
+    }
+    // A few records for each value of the digit, so that the next digit is the last.
     const int bits = std::min({ high, maxDigitBits, static_cast<int>(std::bit_width(count)) - 3 });
     const Digit digit{ high - bits, bits };
     std::array<std::size_t, (1 << maxDigitBits) + 1> begin;
@@ -98,6 +110,35 @@ private:
         result[at] = result[at - 1];
       }
       result[at] = r;
+    }
+  }
+
+  /// Sorts by the lowest passes * bits of the key; an even number of passes ends in `from`, an odd one in
+  /// `other`.
+  static void placeFromLowest(Record* from, Record* other, std::size_t count, int passes, int bits)
+  {
+    const std::size_t values = std::size_t(1) << bits;
+    std::array<std::array<std::uint32_t, 1 << maxPassBits>, 3> next;
+    for (int p = 0; p < passes; ++p)
+    {
+      std::fill_n(next[p].begin(), values, 0);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      for (int p = 0; p < passes; ++p)
+      {
+        ++next[p][Digit{ p * bits, bits }(from[i])];
+      }
+    }
+    for (int p = 0; p < passes; ++p)
+    {
+      std::exclusive_scan(next[p].begin(), next[p].begin() + values, next[p].begin(), std::uint32_t(0));
+      const Digit digit{ p * bits, bits };
+      for (std::size_t i = 0; i < count; ++i)
+      {
+        other[next[p][digit(from[i])]++] = from[i];
+      }
+      std::swap(from, other);
     }
   }
 

@@ -289,6 +289,8 @@ TEST(RadixSort, EqualsStdSort)
   const std::vector<std::function<std::uint64_t()>> distributions{
     [&] { return random(); },
     [&] { return random() % 3; },
+    [&] { return random() & 0xfffff; },
+    [&] { return random() & 0x3ffffffff; },
     [&] { return std::uint64_t(7) << 40; },
     [&] { return random() >> (random() % 64); },
     [&] { return random() % 64 == 0 ? random() : random() % 1000 + (std::uint64_t(1) << 63); },
