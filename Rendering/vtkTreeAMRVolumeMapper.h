@@ -163,7 +163,7 @@ protected:
   double MinimumImageSampleDistance = 1.;
   double MaximumImageSampleDistance = 10.;
   double InteractiveRenderTime = 0.;
-  double LevelOfDetail = 1.;
+  double LevelOfDetail = 2.;
 
 private:
   struct Internals;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 namespace treeamr
 {
@@ -379,39 +380,37 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
   }
   std::array<std::uint8_t, 64> refinedSlots;
   int refinedCount = 0;
-  for (int e = 0; e < 27; ++e)
-  {
-    const NodeRef node = around[e];
-    std::uint64_t slots = tables.entry[e].slots;
+  const auto gatherEntry = [&]<std::size_t Entry>() {
+    constexpr BlockEntry part = tables.entry[Entry];
+    const NodeRef node = around[Entry];
     if (!node.isInner())
     {
       if (node.isLeaf())
       {
-        level.coarse |= slots;
-        level.coarseEntries |= 1u << e;
+        level.coarse |= part.slots;
+        level.coarseEntries |= 1u << Entry;
         level.coarsest = std::min(level.coarsest, node.depth());
       }
       else
       {
-        level.missing |= slots;
+        level.missing |= part.slots;
       }
-      for (; slots != 0; slots &= slots - 1)
-      {
-        const int slot = std::countr_zero(slots);
-        level.value[slot] = 0.;
-        level.depth[slot] = static_cast<std::uint8_t>(node.depth());
-      }
-      continue;
-    }
-    const Octree::Children& children = childrenOf[e];
-    const BlockEntry& part = tables.entry[e];
-    if (children.allLeaves())
-    {
       for (int i = 0; i < part.count; ++i)
       {
-        level.value[part.slot[i]] = leaves[children.firstLeaf + part.octant[i]];
+        level.value[part.slot[i]] = 0.;
+        level.depth[part.slot[i]] = static_cast<std::uint8_t>(node.depth());
       }
-      continue;
+      return;
+    }
+    const Octree::Children& children = childrenOf[Entry];
+    if (children.allLeaves())
+    {
+      const float* values = leaves + children.firstLeaf;
+      for (int i = 0; i < part.count; ++i)
+      {
+        level.value[part.slot[i]] = values[part.octant[i]];
+      }
+      return;
     }
     for (int i = 0; i < part.count; ++i)
     {
@@ -439,7 +438,13 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
         refinedSlots[refinedCount++] = static_cast<std::uint8_t>(slot);
       }
     }
+  };
+  // Unrolled: which places an entry covers is known to the compiler.
+  [&]<std::size_t... Entry>(std::index_sequence<Entry...>)
+  {
+    (gatherEntry.template operator()<Entry>(), ...);
   }
+  (std::make_index_sequence<27>());
   std::uint64_t besideRefined = 0;
   for (int i = 0; i < refinedCount; ++i)
   {

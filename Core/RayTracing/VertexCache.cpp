@@ -9,14 +9,14 @@ namespace treeamr
 
 BlockRecord::BlockRecord(const BlockValues& block) noexcept
 {
-  const double width = static_cast<double>(block.range.max) - block.range.min;
-  const double scale = width > 0. ? steps / width : 0.;
-  values.fill(0);
+  const float width = block.range.max - block.range.min;
+  const float scale = width > 0.f ? steps / width : 0.f;
   for (std::size_t i = 0; i < block.values.size(); ++i)
   {
-    values[i] =
-      static_cast<std::uint16_t>((static_cast<double>(block.values[i]) - block.range.min) * scale + 0.5);
+    values[i] = static_cast<std::uint16_t>(
+      static_cast<int>(std::min(steps, (block.values[i] - block.range.min) * scale) + 0.5f));
   }
+  std::fill(values.begin() + block.values.size(), values.end(), std::uint16_t(0));
 }
 
 VertexCache::VertexCache(const Octree& octree, std::size_t budgetBytes)

@@ -23,6 +23,7 @@ struct alignas(64) BlockRecord
   static constexpr float steps = 65535.f;
   std::array<std::uint16_t, 128> values;
 
+  /// The hull's width must be finite.
   explicit BlockRecord(const BlockValues& block) noexcept;
   BlockRecord() noexcept = default;
 };

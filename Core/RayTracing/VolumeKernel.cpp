@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
@@ -177,24 +178,15 @@ public:
       }
       root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
     }
-    writePixels(x0, y0);
+    finish(x0, y0);
   }
 
-  /// The work of a frame without its walk: the tile's rays go through one box of the table's faintest value, as
-  /// often as asked for.
-  void repeatInCache(int x0, int y0, int repeats)
+  /// The work of a frame without its walk: the tile's rays go through one box of a position in the table, as often
+  /// as asked for.
+  void repeatInCache(int x0, int y0, float position, int repeats)
   {
     const GroupMask active = makeRays(x0, y0);
     record_ = {};
-    std::size_t faintest = 0;
-    const auto& entries = scene_.table.entries;
-    for (std::size_t i = 0; i < entries.size(); ++i)
-    {
-      const float e = entries[i].extinction;
-      faintest =
-        e > 0.f && (e < entries[faintest].extinction || entries[faintest].extinction == 0.f) ? i : faintest;
-    }
-    const auto position = static_cast<float>(faintest);
     const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
       std::numeric_limits<float>::max(), false };
     // Around the point of the middle ray at half of its length, wide enough for all.
@@ -213,7 +205,7 @@ public:
     {
       integrate(block, box, lattice, active);
     }
-    writePixels(x0, y0);
+    finish(x0, y0);
   }
 
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
@@ -358,8 +350,10 @@ private:
     return static_cast<float>((t - scene_.tReference) * scene_.scale);
   }
 
-  void writePixels(int x0, int y0) const noexcept
+  void finish(int x0, int y0) noexcept
   {
+    statistics_.samples = std::accumulate(samples_, samples_ + lanes, statistics_.samples);
+    std::fill_n(samples_, lanes, 0);
     for (int r = 0; r < tileRays; ++r)
     {
       const int x = x0 + xInTile(r);
@@ -897,6 +891,31 @@ private:
     }
   }
 
+  /// From the squares of the numbers of samples that rays want; the most of any. Up to four come without root and
+  /// division, whose wait every interval would begin with.
+  HWY_INLINE float chooseSteps(Floats wanted, Floats length, Span& span) const
+  {
+    const FloatTag d;
+    const Floats one = hn::Set(d, 1.f);
+    const Mask two = hn::Gt(wanted, one);
+    const Mask three = hn::Gt(wanted, hn::Set(d, 4.f));
+    const Mask four = hn::Gt(wanted, hn::Set(d, 9.f));
+    const Mask more = hn::Gt(wanted, hn::Set(d, 16.f));
+    span.samples = hn::IfThenElse(four, hn::Set(d, 4.f),
+      hn::IfThenElse(three, hn::Set(d, 3.f), hn::IfThenElse(two, hn::Set(d, 2.f), one)));
+    span.step = hn::Mul(length,
+      hn::IfThenElse(four, hn::Set(d, 0.25f),
+        hn::IfThenElse(three, hn::Set(d, 1.f / 3.f), hn::IfThenElse(two, hn::Set(d, 0.5f), one))));
+    if (hn::AllFalse(d, more))
+    {
+      return hn::AllFalse(d, three) ? (hn::AllFalse(d, two) ? 1.f : 2.f)
+                                    : (hn::AllFalse(d, four) ? 3.f : 4.f);
+    }
+    span.samples = hn::IfThenElse(more, hn::Ceil(hn::Sqrt(wanted)), span.samples);
+    span.step = hn::IfThenElse(more, hn::Div(length, span.samples), span.step);
+    return hn::GetLane(hn::MaxOfLanes(d, span.samples));
+  }
+
   /// Takes the rays from `ray` on through a box: by midpoint samples, or by the transfer function's integrals
   /// over what the field covers in each step.
   template <bool PreIntegrated, class Values>
@@ -937,17 +956,16 @@ private:
     }
     const Floats transmittance = hn::Load(d, transmittance_ + ray);
     const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
-    // In half widths of a leaf, and as an optical depth.
-    const Floats widths = hn::Mul(hn::Mul(hn::Sqrt(squared), length), hn::Set(d, 0.5f));
-    const Floats variation =
-      hn::Mul(hn::Mul(length, lengthPerT), hn::Mul(transmittance, hn::Set(d, block.variation)));
-    const Floats wanted = hn::Min(widths, hn::Mul(hn::Sqrt(variation), hn::Set(d, samplesPerRootVariation)));
-    const Floats samples = hn::Max(hn::Set(d, 1.f), hn::Ceil(hn::Mul(wanted, hn::Set(d, samplesPerCell_))));
-    span.step = hn::Div(length, samples);
+    // Squares: of the way in widths of a leaf, and of what the variation of optical depth on it asks for.
+    const Floats widths = hn::Mul(hn::Mul(squared, hn::Set(d, 0.25f)), hn::Mul(length, length));
+    const Floats variation = hn::Mul(hn::Mul(length, lengthPerT),
+      hn::Mul(
+        transmittance, hn::Set(d, samplesPerRootVariation * samplesPerRootVariation * block.variation)));
+    const Floats wanted = hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
+    const float mostSamples = chooseSteps(hn::IfThenElseZero(crosses, wanted), length, span);
     span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
-    span.samples = hn::IfThenElseZero(crosses, samples);
-    const float mostSamples = hn::GetLane(hn::MaxOfLanes(d, span.samples));
-    statistics_.samples += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(d, span.samples)));
+    span.samples = hn::IfThenElseZero(crosses, span.samples);
+    hn::Store(hn::Add(hn::Load(IntTag(), samples_), hn::NearestInt(span.samples)), IntTag(), samples_);
     statistics_.steps += static_cast<std::uint64_t>(mostSamples);
 
     Light light{ transmittance, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
@@ -1004,23 +1022,25 @@ private:
   HWY_ALIGN float green_[tileRays];
   HWY_ALIGN float blue_[tileRays];
   VolumeStatistics statistics_;
+  HWY_ALIGN std::int32_t samples_[lanes] = {}; // by lane: summing a vector up at each interval takes longer
 };
 
 template <bool CommonOrigin>
-VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, int repeats)
+VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
   Tile<CommonOrigin> tile(scene);
   for (int column = 0; column < columns; ++column)
   {
-    tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, repeats);
+    tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, position, repeats);
   }
   return tile.statistics();
 }
 
-VolumeStatistics RepeatInCache(const VolumeKernelScene& scene, int row, int columns, int repeats)
+VolumeStatistics RepeatInCache(
+  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
-  return scene.features.commonOrigin ? repeatRow<true>(scene, row, columns, repeats)
-                                     : repeatRow<false>(scene, row, columns, repeats);
+  return scene.features.commonOrigin ? repeatRow<true>(scene, row, columns, position, repeats)
+                                     : repeatRow<false>(scene, row, columns, position, repeats);
 }
 
 template <bool CommonOrigin>
@@ -1056,9 +1076,10 @@ VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int 
   return HWY_DYNAMIC_DISPATCH(RenderTiles)(scene, row, columnBegin, columnEnd);
 }
 
-VolumeStatistics repeatVolumeTilesInCache(const VolumeKernelScene& scene, int row, int columns, int repeats)
+VolumeStatistics repeatVolumeTilesInCache(
+  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
-  return HWY_DYNAMIC_DISPATCH(RepeatInCache)(scene, row, columns, repeats);
+  return HWY_DYNAMIC_DISPATCH(RepeatInCache)(scene, row, columns, position, repeats);
 }
 
 } // namespace treeamr

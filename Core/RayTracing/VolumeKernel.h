@@ -77,7 +77,8 @@ constexpr int volumeTileWidth = 16;
 
 /// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
 VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
-/// See renderWithoutWalk().
-VolumeStatistics repeatVolumeTilesInCache(const VolumeKernelScene& scene, int row, int columns, int repeats);
+/// See renderWithoutWalk(). position: in the table.
+VolumeStatistics repeatVolumeTilesInCache(
+  const VolumeKernelScene& scene, int row, int columns, float position, int repeats);
 
 } // namespace treeamr

@@ -226,11 +226,19 @@ VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& t
   VertexCache none(field.octree(), 0);
   const DepthInterval interval;
   const VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, image);
+  const auto& entries = scene.table.entries;
+  std::size_t faintest = 0;
+  for (std::size_t i = 1; i < entries.size(); ++i)
+  {
+    const float best = entries[faintest].extinction;
+    const float e = entries[i].extinction;
+    faintest = e > 0.f && (best == 0.f || e < best) ? i : faintest;
+  }
   VolumeStatistics statistics;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
   for (int row = 0; row * volumeTileWidth < image.height; ++row)
   {
-    statistics += repeatVolumeTilesInCache(scene, row, columns, repeats);
+    statistics += repeatVolumeTilesInCache(scene, row, columns, static_cast<float>(faintest), repeats);
   }
   return statistics;
 }

@@ -16,8 +16,8 @@ struct Run
   double litSteps;
 };
 
-Run run(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  double samplesPerCell)
+Run run(
+  const Field& field, const TransferFunction& transferFunction, const Camera& camera, double samplesPerCell)
 {
   Image image(camera.width(), camera.height());
   VolumeSettings settings;
