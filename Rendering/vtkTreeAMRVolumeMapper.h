@@ -59,8 +59,10 @@ public:
   ///@}
 
   ///@{
-  /// Samples of the field along one cell's width, above 0; every ray takes at least one in each cell that it
-  /// crosses. Default 2.
+  /// Samples of the field along one cell's width, above 0, where colour or opacity vary in the cell; fewer where
+  /// little can change, but at least one in each cell, or block of eight cells of one size, that a ray crosses.
+  /// Where the opacity function varies more than samples can follow its integral over each step is used.
+  /// Default 2.
   vtkSetMacro(SamplesPerCell, double);
   vtkGetMacro(SamplesPerCell, double);
   ///@}
@@ -112,7 +114,7 @@ public:
   ///@}
   ///@{
   /// Interactive frames draw parts of the tree from means where its cells are smaller than this many pixels
-  /// of the traced image. 0 is off, default 1. Still frames are always drawn from the cells.
+  /// of the traced image. 0 is off, default 2. Still frames are always drawn from the cells.
   vtkSetClampMacro(LevelOfDetail, double, 0., VTK_DOUBLE_MAX);
   vtkGetMacro(LevelOfDetail, double);
   ///@}

@@ -9,7 +9,7 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 namespace treeamr
 {
@@ -40,7 +40,8 @@ public:
   explicit BlockEvaluator(const Field& field)
     : field_(field)
     , octree_(field.octree())
-    , levels_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
+    , levels_(
+        std::make_unique_for_overwrite<Level[]>(octree_.grid().paddingDepth() + octree_.leafLevels() + 1))
   {
   }
   /// Needs a drawn child.
@@ -86,7 +87,7 @@ private:
 
   const Field& field_;
   const Octree& octree_;
-  std::vector<Level> levels_; // by depth of the inner node
+  std::unique_ptr<Level[]> levels_; // by depth of the inner node
   Level byMeans_;
   unsigned drawn_; // children whose vertices are wanted
   std::array<double, 125> values_;

@@ -12,6 +12,7 @@ namespace treeamr
 TransferFunction::TransferFunction(double min, double max, std::vector<Entry> entries)
   : min_(min)
   , scale_(max > min ? static_cast<double>(entries.size() - 1) / (max - min) : 0.)
+  , last_(static_cast<double>(entries.size()) - 1.)
   , entries_(std::move(entries))
 {
   if (entries_.size() < 2)
@@ -46,11 +47,6 @@ float TransferFunction::extinctionFromOpacity(double opacity, double unitDistanc
     opacity < 1. ? std::min(opaqueExtinction, -std::log1p(-opacity) / unitDistance) : opaqueExtinction);
 }
 
-double TransferFunction::position(float value) const noexcept
-{
-  return std::clamp((value - min_) * scale_, 0., static_cast<double>(entries_.size() - 1));
-}
-
 TransferFunction::Entry TransferFunction::at(float value) const noexcept
 {
   const double p = position(value);
@@ -60,14 +56,6 @@ TransferFunction::Entry TransferFunction::at(float value) const noexcept
   const Entry& b = entries_[i + 1];
   return { a.r + f * (b.r - a.r), a.g + f * (b.g - a.g), a.b + f * (b.b - a.b),
     a.extinction + f * (b.extinction - a.extinction) };
-}
-
-bool TransferFunction::isVisible(Range range) const noexcept
-{
-  // position() does not decrease, so every value of the range reads entries between these two.
-  const auto first = std::min(static_cast<std::size_t>(position(range.min)), entries_.size() - 2);
-  const auto last = std::min(static_cast<std::size_t>(position(range.max)), entries_.size() - 2) + 1;
-  return visibleBefore_[last + 1] > visibleBefore_[first];
 }
 
 } // namespace treeamr

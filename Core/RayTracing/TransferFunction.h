@@ -3,6 +3,7 @@
 
 #include "Octree/Field.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -34,14 +35,25 @@ public:
   const std::vector<Entry>& entries() const noexcept { return entries_; }
 
   /// Of a value in the table, 0 to entries - 1.
-  double position(float value) const noexcept;
+  double position(float value) const noexcept
+  {
+    const double p = (value - min_) * scale_;
+    return p > 0. ? std::min(p, last_) : 0.;
+  }
   Entry at(float value) const noexcept;
   /// Whether some value of the range has extinction: exact, so that skipping by it never changes a pixel.
-  bool isVisible(Range range) const noexcept;
+  bool isVisible(Range range) const noexcept
+  {
+    // position() does not decrease, so every value of the range reads entries between these two.
+    const auto first = std::min(static_cast<std::size_t>(position(range.min)), entries_.size() - 2);
+    const auto last = std::min(static_cast<std::size_t>(position(range.max)), entries_.size() - 2) + 1;
+    return visibleBefore_[last + 1] > visibleBefore_[first];
+  }
 
 private:
   double min_; // double: values up to 1e38 have differences beyond float
   double scale_;
+  double last_;
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> visibleBefore_; // entries with extinction among the first i
 };
