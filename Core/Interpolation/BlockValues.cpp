@@ -77,6 +77,8 @@ struct BlockTables
   std::array<std::uint8_t, 64> childrenOfSlot{}; // that touch any vertex
   std::array<BlockVertexMask, 8> verticesOfChild{};
   std::array<BlockEntry, 27> entry{};
+  // By a child's octant: the slots of the node's own children's size that are its neighbourhood.
+  std::array<std::array<std::uint8_t, 27>, 8> slotOfEntry{};
   std::array<std::uint64_t, 64> slotsBeside{}; // that share a vertex of the block with a slot
   // Vertices of the node itself that touch an entry, on the lattice of its parent's children, counted from the
   // node's lower corner: all in the first word.
@@ -168,6 +170,14 @@ constexpr BlockTables makeTables()
     e.octant[e.count] = static_cast<std::uint8_t>((~at[0] & 1) | (~at[1] & 1) << 1 | (~at[2] & 1) << 2);
     e.slot[e.count++] = static_cast<std::uint8_t>(slot);
     e.slots |= std::uint64_t(1) << slot;
+  }
+  for (int o = 0; o < 8; ++o)
+  {
+    for (int e = 0; e < 27; ++e)
+    {
+      t.slotOfEntry[o][e] =
+        static_cast<std::uint8_t>(slotIndex((o & 1) + e % 3, (o >> 1 & 1) + e / 3 % 3, (o >> 2) + e / 9));
+    }
   }
   for (int e = 0; e < 27; ++e)
   {
@@ -354,55 +364,29 @@ double latticeValue(const Level& level, const BlockVertex& b) noexcept
 
 } // namespace
 
-void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const noexcept
+void BlockEvaluator::gather(
+  const BlockPath& path, int depth, const Level* parent, Level& level) const noexcept
 {
-  const Neighbourhood& around = path.around(depth);
   const bool byMeans = &level == &byMeans_;
   const float* leaves = field_.leafValues().data();
-  level.node = around[13];
-  level.refined = level.coarse = level.missing = 0;
+  level.node = path.node[depth];
+  level.refined = level.coarse = level.none = 0;
   level.coarseEntries = 0;
   level.coarsest = depth;
   level.known = {};
-  // First where everything is, so that the memory's answers overlap.
-  std::array<Octree::Children, 27> childrenOf;
-  for (int e = 0; e < 27; ++e)
-  {
-    if (around[e].isInner())
+  level.hasChildValues = level.hasLeaves = false;
+  const auto gatherLeaf = [&](const BlockEntry& part, std::size_t entry, int leafDepth, double value) {
+    level.coarse |= part.slots;
+    level.coarseEntries |= 1u << entry;
+    level.coarsest = std::min(level.coarsest, leafDepth);
+    for (int i = 0; i < part.count; ++i)
     {
-      childrenOf[e] = octree_.children(around[e].index());
-      prefetch(leaves + childrenOf[e].firstLeaf);
-      if (childrenOf[e].inner() != 0)
-      {
-        octree_.prefetchChildren(childrenOf[e].firstInner);
-      }
+      level.value[part.slot[i]] = value;
+      level.depth[part.slot[i]] = static_cast<std::uint8_t>(leafDepth);
     }
-  }
-  std::array<std::uint8_t, 64> refinedSlots;
-  int refinedCount = 0;
-  const auto gatherEntry = [&]<std::size_t Entry>() {
+  };
+  const auto gatherInner = [&]<std::size_t Entry>(const Octree::Children& children) {
     constexpr BlockEntry part = tables.entry[Entry];
-    const NodeRef node = around[Entry];
-    if (!node.isInner())
-    {
-      if (node.isLeaf())
-      {
-        level.coarse |= part.slots;
-        level.coarseEntries |= 1u << Entry;
-        level.coarsest = std::min(level.coarsest, node.depth());
-      }
-      else
-      {
-        level.missing |= part.slots;
-      }
-      for (int i = 0; i < part.count; ++i)
-      {
-        level.value[part.slot[i]] = 0.;
-        level.depth[part.slot[i]] = static_cast<std::uint8_t>(node.depth());
-      }
-      return;
-    }
-    const Octree::Children& children = childrenOf[Entry];
     if (children.allLeaves())
     {
       const float* values = leaves + children.firstLeaf;
@@ -422,10 +406,10 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
         level.value[slot] = leaves[children.leafIndex(octant)];
         continue;
       }
+      level.value[slot] = 0.;
       if (!(children.exists & bit))
       {
-        level.value[slot] = 0.;
-        level.missing |= std::uint64_t(1) << slot;
+        level.none |= std::uint64_t(1) << slot;
         continue;
       }
       const std::uint64_t inner = children.innerIndex(octant);
@@ -435,8 +419,27 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
         level.refined |= std::uint64_t(1) << slot;
         level.children[slot] = octree_.children(inner);
         prefetch(leaves + level.children[slot].firstLeaf);
-        refinedSlots[refinedCount++] = static_cast<std::uint8_t>(slot);
       }
+    }
+  };
+  const auto gatherEntry = [&]<std::size_t Entry>() {
+    constexpr BlockEntry part = tables.entry[Entry];
+    const int slot = parent ? tables.slotOfEntry[path.octant[depth - 1]][Entry] : -1;
+    if (parent ? (parent->refined >> slot & 1) != 0 : Entry == 13)
+    {
+      gatherInner.template operator()<Entry>(parent ? parent->children[slot] : octree_.children(level.node));
+    }
+    else if (!parent || (parent->none >> slot & 1))
+    {
+      level.none |= part.slots;
+      for (int i = 0; i < part.count; ++i)
+      {
+        level.value[part.slot[i]] = 0.;
+      }
+    }
+    else
+    {
+      gatherLeaf(part, Entry, parent->coarse >> slot & 1 ? parent->depth[slot] : depth, parent->value[slot]);
     }
   };
   // Unrolled: which places an entry covers is known to the compiler.
@@ -445,58 +448,73 @@ void BlockEvaluator::gather(const TreePath& path, int depth, Level& level) const
     (gatherEntry.template operator()<Entry>(), ...);
   }
   (std::make_index_sequence<27>());
-  std::uint64_t besideRefined = 0;
-  for (int i = 0; i < refinedCount; ++i)
-  {
-    gatherChildren(level, refinedSlots[i]);
-    besideRefined |= tables.slotsBeside[refinedSlots[i]];
-  }
-  level.besideRefined = level.missing != 0 ? ~std::uint64_t(0) : besideRefined;
-  level.filled = false;
+  level.missing = level.none;
   level.hanging = verticesTouching(level.coarse);
 }
 
-/// Leaves beside refined nodes as if they had children, so that vertices need not ask which is which.
-void BlockEvaluator::fillLeaves(Level& level) const noexcept
+/// Of the refined cells, what their vertices see of them.
+void BlockEvaluator::gatherChildValues(Level& level) const noexcept
 {
-  for (std::uint64_t slots = level.besideRefined & ~level.refined; slots != 0; slots &= slots - 1)
+  if (level.hasChildValues)
   {
-    const int slot = std::countr_zero(slots);
-    level.childExists[slot] = level.missing >> slot & 1 ? 0 : 0xff;
-    level.childValue[slot].fill(level.value[slot]);
-  }
-  level.filled = true;
-}
-
-void BlockEvaluator::gatherChildren(Level& level, int slot) const noexcept
-{
-  const Octree::Children& children = level.children[slot];
-  const unsigned wanted = tables.childrenOfSlot[slot];
-  level.childExists[slot] = static_cast<std::uint8_t>(children.exists);
-  if (children.allLeaves())
-  {
-    for (int o = 0; o < 8; ++o)
-    {
-      level.childValue[slot][o] = field_.leafValues()[children.firstLeaf + o];
-    }
     return;
   }
-  level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << slot;
-  for (unsigned rest = wanted & children.exists; rest != 0; rest &= rest - 1)
+  const float* leaves = field_.leafValues().data();
+  for (std::uint64_t slots = level.refined; slots != 0; slots &= slots - 1)
   {
-    const int octant = std::countr_zero(rest);
-    level.childValue[slot][octant] = children.leaf >> octant & 1
-      ? field_.leafValues()[children.leafIndex(octant)]
-      : field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
+    const int slot = std::countr_zero(slots);
+    const Octree::Children& children = level.children[slot];
+    std::array<double, 8>& values = level.childValue[slot];
+    level.childExists[slot] = static_cast<std::uint8_t>(children.exists);
+    if (children.allLeaves())
+    {
+      for (int o = 0; o < 8; ++o)
+      {
+        values[o] = leaves[children.firstLeaf + o];
+      }
+      continue;
+    }
+    const unsigned wanted = tables.childrenOfSlot[slot];
+    level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << slot;
+    for (unsigned rest = wanted & children.exists; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      values[octant] = children.leaf >> octant & 1
+        ? leaves[children.leafIndex(octant)]
+        : field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
+    }
   }
+  level.hasChildValues = true;
 }
 
-BlockEvaluator::Level& BlockEvaluator::levelAt(const TreePath& path, int depth) noexcept
+/// Leaves beside refined cells as if they had children, so that vertices need not ask which is which.
+void BlockEvaluator::fillLeaves(Level& level) const noexcept
+{
+  if (level.hasLeaves)
+  {
+    return;
+  }
+  std::uint64_t beside = level.missing != 0 ? ~std::uint64_t(0) : 0;
+  for (std::uint64_t slots = level.refined; slots != 0; slots &= slots - 1)
+  {
+    beside |= tables.slotsBeside[std::countr_zero(slots)];
+  }
+  for (std::uint64_t slots = beside & ~level.refined; slots != 0; slots &= slots - 1)
+  {
+    const int slot = std::countr_zero(slots);
+    level.childExists[slot] = level.none >> slot & 1 ? 0 : 0xff;
+    level.childValue[slot].fill(level.value[slot]);
+  }
+  level.hasLeaves = true;
+}
+
+/// Of the path's node at a depth.
+BlockEvaluator::Level& BlockEvaluator::levelAt(const BlockPath& path, int depth) noexcept
 {
   Level& level = levels_[depth];
-  if (!(level.node == path.around(depth)[13]))
+  if (level.node != path.node[depth])
   {
-    gather(path, depth, level);
+    gather(path, depth, depth == 0 ? nullptr : &levelAt(path, depth - 1), level);
   }
   return level;
 }
@@ -535,7 +553,7 @@ void BlockEvaluator::uniformValues(const Level& level) noexcept
 
 /// The level with these vertices known.
 BlockEvaluator::Level& BlockEvaluator::withSpecial(
-  const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept
+  const BlockPath& path, int depth, const BlockVertexMask& vertices) noexcept
 {
   Level& level = levelAt(path, depth);
   const BlockVertexMask wanted = without(vertices, level.known);
@@ -551,15 +569,15 @@ BlockEvaluator::Level& BlockEvaluator::withSpecial(
 /// Vertices on a face or edge of a coarser leaf lie between the vertices of that leaf's level around them. All
 /// of these are vertices of the path's node of that level, because that node touches them.
 void BlockEvaluator::computeSpecial(
-  const TreePath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept
+  const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept
 {
   const BlockVertexMask hanging = both(wanted, level.hanging);
   if ((hanging[0] | hanging[1]) != 0)
   {
     if (level.coarsest == depth)
     {
-      const auto& index = path.index(depth);
-      const int corner = static_cast<int>(2 * (index[0] & 1) + 10 * (index[1] & 1) + 50 * (index[2] & 1));
+      const int octant = path.octant[depth - 1];
+      const int corner = 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2);
       std::uint64_t around = 0;
       for (std::uint32_t rest = level.coarseEntries; rest != 0; rest &= rest - 1)
       {
@@ -584,10 +602,12 @@ void BlockEvaluator::computeSpecial(
     }
   }
   const BlockVertexMask lattice = without(wanted, level.hanging);
-  if (!level.filled && (lattice[0] | lattice[1]) != 0)
+  if ((lattice[0] | lattice[1]) == 0)
   {
-    fillLeaves(level);
+    return;
   }
+  gatherChildValues(level);
+  fillLeaves(level);
   for (unsigned axes = 0; axes < 8; ++axes)
   {
     forAxes(axes, [&]<unsigned Axes>() noexcept {
@@ -598,7 +618,7 @@ void BlockEvaluator::computeSpecial(
 }
 
 /// Where leaves may be larger than the node itself.
-double BlockEvaluator::hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept
+double BlockEvaluator::hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept
 {
   int coarsest = depth;
   for (std::uint64_t slots = tables.vertex[vertex].slots & level.coarse; slots != 0; slots &= slots - 1)
@@ -614,10 +634,15 @@ double BlockEvaluator::hangingDeep(const TreePath& path, int depth, const Level&
   std::array<double, 3> fraction{};
   for (int a = 0; a < 3; ++a)
   {
-    // In half widths of the children, and of the children of the coarsest leaf's parent.
-    const Coord position = 4 * path.index(depth)[a] + at[a];
+    // In half widths of the children, then of the children of the coarsest leaf's parent; from its corner.
+    Coord position = 0;
+    for (int d = coarsest - 1; d < depth; ++d)
+    {
+      position = 2 * position + (path.octant[d] >> a & 1);
+    }
+    position = 4 * position + at[a];
     const Coord floor = position >> up;
-    base += stride[a] * static_cast<int>(floor - 4 * path.index(coarsest - 1)[a]);
+    base += stride[a] * static_cast<int>(floor);
     const Coord rest = position - (floor << up);
     if (rest != 0)
     {
@@ -643,10 +668,10 @@ double BlockEvaluator::hangingDeep(const TreePath& path, int depth, const Level&
   return sum;
 }
 
-void BlockEvaluator::evaluate(const TreePath& path, BlockCells cells) noexcept
+void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
 {
-  const int depth = path.depth();
-  const Octree::Children own = octree_.children(path.node().index());
+  const int depth = path.depth;
+  const Octree::Children own = octree_.children(path.node[depth]);
   Level* level = &byMeans_;
   if (cells == BlockCells::Leaves)
   {
@@ -656,14 +681,14 @@ void BlockEvaluator::evaluate(const TreePath& path, BlockCells cells) noexcept
   else
   {
     drawn_ = own.exists;
-    gather(path, depth, byMeans_);
+    gather(path, depth, depth == 0 ? nullptr : &levelAt(path, depth - 1), byMeans_);
   }
   uniformValues(*level);
-  if ((level->refined | level->coarse | level->missing) == 0)
+  if ((level->refined | level->coarse | level->none) == 0)
   {
     return;
   }
-  const BlockVertexMask special = verticesTouching(level->refined | level->coarse | level->missing);
+  const BlockVertexMask special = verticesTouching(level->refined | level->coarse | level->none);
   computeSpecial(path, depth, *level, both(special, verticesOf(drawn_)), values_.data());
 }
 
@@ -697,21 +722,22 @@ Range BlockEvaluator::rangeOfDrawn() const noexcept
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
-Range BlockEvaluator::bounds(const TreePath& path) noexcept
+Range BlockEvaluator::bounds(const BlockPath& path) noexcept
 {
-  const Level& level = levelAt(path, path.depth());
-  if (level.coarsest < path.depth())
+  Level& level = levelAt(path, path.depth);
+  if (level.coarsest < path.depth)
   {
     // Vertices may depend on cells that are not around the node.
     evaluate(path, BlockCells::Leaves);
     return rangeOfDrawn();
   }
-  if ((level.refined | level.coarse | level.missing) == 0)
+  if ((level.refined | level.coarse | level.none) == 0)
   {
     drawn_ = 0xff;
     uniformValues(level);
     return rangeOfDrawn();
   }
+  gatherChildValues(level);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   const auto add = [&](double value) {
@@ -719,7 +745,7 @@ Range BlockEvaluator::bounds(const TreePath& path) noexcept
     high = value > high ? value : high;
   };
   // Of refined ones the means: vertices of the node's own level see these.
-  for (std::uint64_t slots = ~level.coarse & (level.refined | ~level.missing); slots != 0; slots &= slots - 1)
+  for (std::uint64_t slots = ~level.none; slots != 0; slots &= slots - 1)
   {
     add(level.value[std::countr_zero(slots)]);
   }
@@ -732,15 +758,10 @@ Range BlockEvaluator::bounds(const TreePath& path) noexcept
       add(level.childValue[slot][std::countr_zero(touching)]);
     }
   }
-  const Neighbourhood& around = path.around(path.depth());
-  for (std::uint32_t entries = level.coarseEntries; entries != 0; entries &= entries - 1)
-  {
-    add(field_.value(around[std::countr_zero(entries)]));
-  }
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
-void BlockEvaluator::compute(const TreePath& path, BlockCells cells, BlockValues& block) noexcept
+void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept
 {
   evaluate(path, cells);
   block.range = rangeOfDrawn();

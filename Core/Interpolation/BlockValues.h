@@ -5,7 +5,6 @@
 #pragma once
 
 #include "Octree/Field.h"
-#include "Octree/TreePath.h"
 
 #include <array>
 #include <cstdint>
@@ -20,6 +19,21 @@ struct BlockValues
   /// Vertices that no drawn child has hold the lower end of the range.
   std::array<float, 125> values;
   Range range; // hull of the drawn children's vertex values
+};
+
+/// The inner nodes from the root down to one.
+struct BlockPath
+{
+  int depth = 0;
+  std::array<std::uint64_t, Octree::maxDepth + 1> node{}; // by depth; the root is 0
+  std::array<std::uint8_t, Octree::maxDepth> octant{};    // of the node below each depth
+
+  void descend(int childOctant, std::uint64_t child) noexcept
+  {
+    octant[depth] = static_cast<std::uint8_t>(childOctant);
+    node[++depth] = child;
+  }
+  void ascend() noexcept { --depth; }
 };
 
 /// Bit v & 63 of word v >> 6: vertex v of a block.
@@ -45,44 +59,45 @@ public:
   {
   }
   /// Needs a drawn child.
-  void compute(const TreePath& path, BlockCells cells, BlockValues& block) noexcept;
+  void compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept;
   /// Contains the hull of a node with leaves among its children, for a fraction of the time: the hull where all
   /// cells around are of one size, otherwise that of the values that take part.
-  Range bounds(const TreePath& path) noexcept;
+  Range bounds(const BlockPath& path) noexcept;
 
 private:
   /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, and the vertices
   /// that are not plain means of them.
   struct Level
   {
-    NodeRef node{};
-    std::uint64_t refined; // masks: inner nodes,
-    std::uint64_t coarse;  // parts of coarser leaves,
-    std::uint64_t missing; // places without a cell, or with one missing among the children that matter
-    std::array<double, 64> value;
+    std::uint64_t node = ~std::uint64_t(0);
+    std::uint64_t refined;        // masks: inner nodes,
+    std::uint64_t coarse;         // parts of coarser leaves,
+    std::uint64_t none;           // places without a cell,
+    std::uint64_t missing;        // and these with cells of which a child that matters is missing
+    bool hasChildValues;          // of the refined,
+    bool hasLeaves;               // and of the leaves beside them
+    std::array<double, 64> value; // of leaves of any size, means of the refined
     std::array<Octree::Children, 64> children;        // of the refined
     std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
     std::array<std::uint8_t, 64> childExists;
     std::array<std::uint8_t, 64> depth; // of the coarse
     std::uint32_t coarseEntries;        // their mask in the node's neighbourhood
     int coarsest;                       // depth of the coarsest, or the node's own
-    std::uint64_t besideRefined;        // whose childValue vertices may ask for,
-    bool filled;                        // and whether it is there
     BlockVertexMask hanging;            // vertices that touch the coarse
     BlockVertexMask known;              // of
     std::array<double, 125> special;
   };
 
-  void gather(const TreePath& path, int depth, Level& level) const noexcept;
-  void gatherChildren(Level& level, int slot) const noexcept;
+  void gather(const BlockPath& path, int depth, const Level* parent, Level& level) const noexcept;
+  void gatherChildValues(Level& level) const noexcept;
   void fillLeaves(Level& level) const noexcept;
-  Level& levelAt(const TreePath& path, int depth) noexcept;
-  Level& withSpecial(const TreePath& path, int depth, const BlockVertexMask& vertices) noexcept;
+  Level& levelAt(const BlockPath& path, int depth) noexcept;
+  Level& withSpecial(const BlockPath& path, int depth, const BlockVertexMask& vertices) noexcept;
   void computeSpecial(
-    const TreePath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
-  double hangingDeep(const TreePath& path, int depth, const Level& level, int vertex) noexcept;
+    const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
+  double hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept;
   void uniformValues(const Level& level) noexcept;
-  void evaluate(const TreePath& path, BlockCells cells) noexcept;
+  void evaluate(const BlockPath& path, BlockCells cells) noexcept;
   Range rangeOfDrawn() const noexcept;
 
   const Field& field_;

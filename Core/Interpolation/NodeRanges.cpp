@@ -25,22 +25,22 @@ public:
   {
   }
 
-  Range visit(TreePath& path) { return visit(path, evaluators_.local()); }
+  Range visit(BlockPath& path) { return visit(path, evaluators_.local()); }
 
 private:
-  Range visit(TreePath& path, BlockEvaluator& evaluator)
+  Range visit(BlockPath& path, BlockEvaluator& evaluator)
   {
-    const NodeRef node = path.node();
-    const Octree::Children children = path.octree().children(node.index());
+    const std::uint64_t node = path.node[path.depth];
+    const Octree::Children children = field_.octree().children(node);
     std::array<Range, 8> parts;
-    // Subtrees of up to 512 leaves are one task's work; a path is too large to copy for less.
-    if (path.depth() >= serialDepth_)
+    // Subtrees of up to 512 leaves are one task's work.
+    if (path.depth >= serialDepth_)
     {
       for (int o = 0; o < 8; ++o)
       {
         if (children.inner() >> o & 1)
         {
-          path.descend(o);
+          path.descend(o, children.innerIndex(o));
           parts[o] = visit(path, evaluator);
           path.ascend();
         }
@@ -51,8 +51,8 @@ private:
       tbb::parallel_for(0, 8, [&](int o) {
         if (children.inner() >> o & 1)
         {
-          TreePath own(path);
-          own.descend(o);
+          BlockPath own(path);
+          own.descend(o, children.innerIndex(o));
           parts[o] = visit(own);
         }
       });
@@ -67,7 +67,7 @@ private:
         first = false;
       }
     }
-    ranges_[node.index()] = all;
+    ranges_[node] = all;
     return all;
   }
 
@@ -85,7 +85,7 @@ void Field::computeNodeRanges()
   std::vector<Range> exact(octree_->innerCount());
   if (octree_->root().isInner())
   {
-    TreePath path(*octree_);
+    BlockPath path;
     RangeBuilder(*this, exact).visit(path);
   }
   encodeNodeRanges(std::move(exact));

@@ -46,7 +46,6 @@ public:
     : scene_(scene)
     , octree_(scene.field.octree())
     , grid_(octree_.grid())
-    , path_(octree_)
     , evaluator_(scene.field)
     , writer_(scene.kept)
     , table_(&scene.table.entries.data()->r)
@@ -62,8 +61,7 @@ public:
     Range range = scene_.field.range();
     if (active != 0 && !root.isNone() && isVisible(root, range))
     {
-      path_.reset();
-      depth_ = 0;
+      path_.depth = 0;
       index_ = {};
       const Bounds bounds = grid_.nodeBounds(index_, 0);
       Box box;
@@ -358,7 +356,7 @@ private:
     for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
-      const NodeRef child(NodeKind::Inner, depth_ + 1, children.innerIndex(octant));
+      const NodeRef child(NodeKind::Inner, path_.depth + 1, children.innerIndex(octant));
       ranges[octant] = range;
       wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
     }
@@ -375,7 +373,7 @@ private:
     int nearest = 0;
     for (int a = 0; a < 3; ++a)
     {
-      const double plane = grid_.nodePlane(a, 2 * index_[a] + 1, depth_ + 1);
+      const double plane = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
       middle[a] = toKernel(a, plane);
       const bool upper =
         scene_.camera.isPerspective() ? scene_.camera.eye()[a] >= plane : direction_[a][0] < 0.f;
@@ -413,20 +411,15 @@ private:
         integrate(block, childBox, Lattice(childBox, octant), crossing[octant]);
         continue;
       }
-      octant_[depth_] = static_cast<std::uint8_t>(octant);
       const auto index = index_;
       for (int a = 0; a < 3; ++a)
       {
         index_[a] = 2 * index_[a] + (octant >> a & 1);
       }
-      ++depth_;
+      path_.descend(octant, children.innerIndex(octant));
       visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
-      --depth_;
+      path_.ascend();
       index_ = index;
-      if (path_.depth() > depth_)
-      {
-        path_.ascend();
-      }
       // The subtree may have used the buffers.
       hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
     }
@@ -436,12 +429,13 @@ private:
   bool isBlock(const Octree::Children& children) const noexcept
   {
     // Above the root trees widths may differ and parts be missing.
-    return children.allLeaves() && depth_ >= grid_.paddingDepth() && !octree_.hasGhosts();
+    return children.allLeaves() && path_.depth >= grid_.paddingDepth() && !octree_.hasGhosts();
   }
 
   bool isDrawnByMeans(const Octree::Children& children, const Box& box) const noexcept
   {
-    return children.exists == 0xff && depth_ >= grid_.paddingDepth() && !octree_.hasGhosts() && isSmall(box);
+    return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhosts() &&
+      isSmall(box);
   }
 
   bool isSmall(const Box& box) const noexcept
@@ -470,7 +464,7 @@ private:
   /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
   bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * tableLast_); }
 
-  /// False when nothing of it is visible. The path's neighbourhoods are only needed when values are computed.
+  /// False when nothing of it is visible.
   bool find(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
   {
     const VertexCache::Found found = scene_.kept.find(node, cells);
@@ -535,13 +529,9 @@ private:
 
   void compute(BlockCells cells)
   {
-    while (path_.depth() < depth_)
-    {
-      path_.descend(octant_[path_.depth()]);
-    }
     evaluator_.compute(path_, cells, values_);
     ++statistics_.blocks;
-    const Octree::Children children = octree_.children(path_.node().index());
+    const Octree::Children children = octree_.children(path_.node[path_.depth]);
     statistics_.cells += std::popcount(children.leaf);
   }
 
@@ -677,7 +667,7 @@ private:
   const VolumeKernelScene& scene_;
   const Octree& octree_;
   const RootGrid& grid_;
-  TreePath path_; // as deep as neighbourhoods were needed so far
+  BlockPath path_;
   BlockEvaluator evaluator_;
   VertexCache::Writer writer_;
   const float* table_;
@@ -687,9 +677,7 @@ private:
   BlockRecord record_;
   HWY_ALIGN float exact_[128] = {};
 
-  int depth_ = 0;
   std::array<Coord, 3> index_{};
-  std::array<std::uint8_t, Octree::maxDepth + 1> octant_;
 
   HWY_ALIGN float origin_[3][tileRays] = {}; // unless common
   HWY_ALIGN float direction_[3][tileRays] = {};
