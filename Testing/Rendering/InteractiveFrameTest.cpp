@@ -244,7 +244,7 @@ TEST_F(InteractiveFrameTest, stillFramesAreFull)
     scene.window->SetDesiredUpdateRate(interactive);
     EXPECT_NE(scene.render(), full);
     EXPECT_EQ(distance(volume), 10.);
-    EXPECT_EQ(levelOfDetail(volume), 1.);
+    EXPECT_EQ(levelOfDetail(volume), 2.);
     EXPECT_LT(Scene::statistic(volume, "Samples"), samples);
   }
 }
