@@ -54,10 +54,10 @@ struct BlockVertex
   std::array<std::uint8_t, 8> touching{}; // their children that touch it, should they be refined
   std::array<std::uint16_t, 8> child{};   // the same as slot * 8 + octant, slot by slot: always eight
   std::uint64_t slots = 0;                // mask
-  // On the lattice of the next coarser level it is the mean of these, counted from the node's lower corner.
-  std::uint8_t coarserCount = 0;
-  double coarserWeight = 1.;
-  std::array<std::uint8_t, 8> coarser{};
+  // On the lattice of the next coarser level it is the mean of one, two or four vertices: these, counted from the
+  // node's lower corner, the first again where there are fewer, with weight 0.
+  std::array<std::uint8_t, 4> coarser{};
+  std::array<double, 4> coarserWeight{};
 };
 
 /// The slots that a node of the neighbourhood covers, and which of its children they are.
@@ -110,6 +110,7 @@ constexpr BlockTables makeTables()
       }
     }
     int children = 0;
+    int coarserCount = 0;
     for (int corner = 0; corner < 8; ++corner)
     {
       bool distinct = true;
@@ -120,12 +121,17 @@ constexpr BlockTables makeTables()
         distinct = distinct && (upper == 0 || at[a] % 2 != 0);
         coarser = 5 * coarser + at[a] / 2 + upper;
       }
-      if (distinct)
+      // The middle of a child hangs on nothing.
+      if (distinct && coarserCount < 4)
       {
-        b.coarser[b.coarserCount++] = static_cast<std::uint8_t>(coarser);
+        b.coarser[coarserCount++] = static_cast<std::uint8_t>(coarser);
       }
     }
-    b.coarserWeight = 1. / b.coarserCount;
+    for (int i = 0; i < 4; ++i)
+    {
+      b.coarserWeight[i] = i < coarserCount ? 1. / coarserCount : 0.;
+      b.coarser[i] = i < coarserCount ? b.coarser[i] : b.coarser[0];
+    }
     add(t.verticesOfAxes[b.axes], v);
     for (int s = 0; s < 1 << dimensions; ++s)
     {
@@ -588,12 +594,12 @@ void BlockEvaluator::computeSpecial(
       const double* values = coarser.special.data() + corner;
       forEachVertex(hanging, [&](int vertex) {
         const BlockVertex& b = tables.vertex[vertex];
-        double sum = 0.;
-        for (int i = 0; i < b.coarserCount; ++i)
+        double sum = b.coarserWeight[0] * values[b.coarser[0]];
+        for (int i = 1; i < 4; ++i)
         {
-          sum += values[b.coarser[i]];
+          sum += b.coarserWeight[i] * values[b.coarser[i]];
         }
-        out[vertex] = sum * b.coarserWeight;
+        out[vertex] = sum;
       });
     }
     else
