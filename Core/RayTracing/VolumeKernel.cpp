@@ -376,7 +376,7 @@ private:
       const double plane = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
       middle[a] = toKernel(a, plane);
       const bool upper =
-        scene_.camera.isPerspective() ? scene_.camera.eye()[a] >= plane : direction_[a][0] < 0.f;
+        scene_.camera.isPerspective() ? scene_.camera.eye()[a] >= plane : scene_.direction[a] < 0.;
       nearest |= upper << a;
     }
     GroupMask crossing[8];

@@ -51,6 +51,7 @@ struct VolumeKernelScene
 
   SceneFeatures features;
   Vec3 reference;    // data coordinates; the eye when all rays start there
+  Vec3 direction;    // of the ray in the image's middle, of all rays in parallel projection
   double tReference; // t that the kernel counts from
   double scale;      // kernel units per unit of world length
   double dataScale;  // and of data coordinates

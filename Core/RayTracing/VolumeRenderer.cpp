@@ -56,6 +56,7 @@ void place(VolumeKernelScene& scene)
   const Camera& camera = scene.camera;
   const Bounds domain = scene.field.octree().grid().bounds();
   const Ray central = camera.ray(camera.width() / 2, camera.height() / 2);
+  scene.direction = central.direction;
   double diagonal = 0.; // squared in data coordinates, then in t: a length along the central ray's scale
   double toCentre = 0.;
   double squared = 0.;
@@ -172,8 +173,8 @@ VolumeKernelScene makeScene(const Field& field, const TransferFunction& transfer
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image)
 {
-  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, 0., 1.,
-    1., {}, {}, 0., 0. };
+  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, {}, 0.,
+    1., 1., {}, {}, 0., 0. };
   place(scene);
   measurePixels(scene);
   fillTable(scene);

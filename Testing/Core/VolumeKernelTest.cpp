@@ -178,6 +178,40 @@ std::size_t smallestBudget(const Octree& octree)
 
 } // namespace
 
+TEST(VolumeKernel, RaysWithoutAPartLeaveTheOthersAlone)
+{
+  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  std::vector<float> begin(width * height, 0.f);
+  for (int y = 0; y < height; y += 3)
+  {
+    for (int x = 0; x < width; x += 2)
+    {
+      begin[y * width + x] = 1.f; // the corners of tiles among them
+    }
+  }
+  for (const View& view : views())
+  {
+    const Camera camera(view.clip, identityMatrix, width, height);
+    Image all(width, height);
+    Image some(width, height);
+    const std::vector<float> ends(width * height, 1.f);
+    const std::vector<float> zero(width * height, 0.f);
+    renderVolume(*field, smooth(), camera, { zero.data(), ends.data() }, {}, all);
+    const auto statistics = renderVolume(*field, smooth(), camera, { begin.data(), nullptr }, {}, some);
+    std::uint64_t rays = 0;
+    for (std::size_t i = 0; i < begin.size(); ++i)
+    {
+      rays += begin[i] == 0.f;
+      for (int c = 0; c < 4; ++c)
+      {
+        ASSERT_EQ(some.rgba[4 * i + c], begin[i] == 0.f ? all.rgba[4 * i + c] : 0.f)
+          << view.name << ", pixel " << i;
+      }
+    }
+    EXPECT_EQ(statistics.rays, rays);
+  }
+}
+
 TEST(VolumeKernel, KeptValuesNeverChangeABit)
 {
   const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
