@@ -194,8 +194,8 @@ private:
       for (int a = 0; a < 3; ++a)
       {
         const double first = toKernel * (fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a]);
-        direction[a] = hn::MulAdd(x, hn::Set(d, static_cast<float>(toKernel * fan.perX[a])),
-          hn::MulAdd(y, hn::Set(d, static_cast<float>(toKernel * fan.perY[a])),
+        direction[a] = mulAdd(x, hn::Set(d, static_cast<float>(toKernel * fan.perX[a])),
+          mulAdd(y, hn::Set(d, static_cast<float>(toKernel * fan.perY[a])),
             hn::Set(d, static_cast<float>(first))));
         hn::Store(direction[a], d, direction_[a] + ray);
         hn::Store(hn::Div(hn::Set(d, 1.f), awayFromZero(direction[a])), d, inverse_[a] + ray);
@@ -206,18 +206,18 @@ private:
         Floats w = hn::Zero(d);
         for (int a = 0; a < 3; ++a)
         {
-          w = hn::MulAdd(hn::Set(d, static_cast<float>(m[4 * r + a] / toKernel)), direction[a], w);
+          w = mulAdd(hn::Set(d, static_cast<float>(m[4 * r + a] / toKernel)), direction[a], w);
         }
-        squared = hn::MulAdd(w, w, squared);
+        squared = mulAdd(w, w, squared);
       }
       hn::Store(hn::Sqrt(squared), d, lengthPerT_ + ray);
       const Floats perX = hn::Set(d, static_cast<float>(fan.inverseTPerX / scene_.scale));
       const Floats perY = hn::Set(d, static_cast<float>(fan.inverseTPerY / scene_.scale));
       const double first =
         (fan.inverseT + groupX * fan.inverseTPerX + groupY * fan.inverseTPerY) / scene_.scale;
-      const Floats near = hn::MulAdd(x, perX, hn::MulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
-      const Floats far = hn::MulAdd(x, perX,
-        hn::MulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
+      const Floats near = mulAdd(x, perX, mulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
+      const Floats far = mulAdd(x, perX,
+        mulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
       hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_ + ray);
       hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_ + ray);
     }
@@ -619,9 +619,9 @@ private:
       {
         corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
       }
-      span.start[a] = hn::Mul(hn::MulAdd(begin, direction, corner), scale);
+      span.start[a] = hn::Mul(mulAdd(begin, direction, corner), scale);
       span.slope[a] = hn::Mul(direction, scale);
-      squared = hn::MulAdd(span.slope[a], span.slope[a], squared);
+      squared = mulAdd(span.slope[a], span.slope[a], squared);
     }
     const Floats transmittance = hn::Load(d, transmittance_ + ray);
     const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);

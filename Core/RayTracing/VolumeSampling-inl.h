@@ -30,13 +30,24 @@ using Mask = hn::Mask<FloatTag>;
 constexpr int lanes = hn::MaxLanes(FloatTag());
 /// Samples for the square root of the variation of optical depth on a ray's way through a block, before
 /// `samplesPerCell` multiplies them: midpoint samples err by a part of the variation over their square.
-constexpr float samplesPerRootVariation = 4.f;
+constexpr float samplesPerRootVariation = 3.f;
 
 struct Box
 {
   std::array<float, 3> min;
   std::array<float, 3> max;
 };
+
+// Products and sums rounded apart, also where one instruction could do both: so every instruction set gives the
+// same picture, to the bit. (Compiled with -ffp-contract=off.)
+HWY_INLINE Floats mulAdd(Floats a, Floats b, Floats c)
+{
+  return hn::Add(hn::Mul(a, b), c);
+}
+HWY_INLINE Floats negMulAdd(Floats a, Floats b, Floats c)
+{
+  return hn::Sub(c, hn::Mul(a, b));
+}
 
 /// 2 to the power of x <= 0 (Cephes' polynomial for single precision, without its range checks).
 HWY_INLINE Floats exp2(Floats x)
@@ -47,12 +58,12 @@ HWY_INLINE Floats exp2(Floats x)
   const Floats whole = hn::Round(x);
   const Floats f = hn::Sub(x, whole);
   Floats p = hn::Set(d, 1.535336188319500e-4f);
-  p = hn::MulAdd(p, f, hn::Set(d, 1.339887440266574e-3f));
-  p = hn::MulAdd(p, f, hn::Set(d, 9.618437357674640e-3f));
-  p = hn::MulAdd(p, f, hn::Set(d, 5.550332471162809e-2f));
-  p = hn::MulAdd(p, f, hn::Set(d, 2.402264791363012e-1f));
-  p = hn::MulAdd(p, f, hn::Set(d, 6.931472028550421e-1f));
-  p = hn::MulAdd(p, f, hn::Set(d, 1.f));
+  p = mulAdd(p, f, hn::Set(d, 1.339887440266574e-3f));
+  p = mulAdd(p, f, hn::Set(d, 9.618437357674640e-3f));
+  p = mulAdd(p, f, hn::Set(d, 5.550332471162809e-2f));
+  p = mulAdd(p, f, hn::Set(d, 2.402264791363012e-1f));
+  p = mulAdd(p, f, hn::Set(d, 6.931472028550421e-1f));
+  p = mulAdd(p, f, hn::Set(d, 1.f));
   const Ints exponent = hn::ShiftLeft<23>(hn::NearestInt(whole));
   return hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent));
 }
@@ -158,7 +169,7 @@ struct Lattice
 
 HWY_INLINE Floats lerp(Floats f, Floats a, Floats b)
 {
-  return hn::MulAdd(f, hn::Sub(b, a), a);
+  return mulAdd(f, hn::Sub(b, a), a);
 }
 
 /// Where rays run on the lattice, and how far.
@@ -187,12 +198,12 @@ HWY_INLINE void sample(const Span& span, const float (&steps)[Count], const Valu
     Floats cell[3];
     for (int a = 0; a < 3; ++a)
     {
-      const Floats at = hn::MulAdd(along, span.slope[a], span.start[a]);
+      const Floats at = mulAdd(along, span.slope[a], span.start[a]);
       cell[a] = hn::Min(hn::Max(hn::Floor(at), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
       f[k][a] = hn::Sub(at, cell[a]);
     }
     vertex[k] =
-      hn::ConvertTo(di, hn::MulAdd(hn::MulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]));
+      hn::ConvertTo(di, mulAdd(mulAdd(cell[2], hn::Set(d, 5.f), cell[1]), hn::Set(d, 5.f), cell[0]));
   }
   Floats lower[Count][4];
   Floats upper[Count][4];
@@ -207,7 +218,7 @@ HWY_INLINE void sample(const Span& span, const float (&steps)[Count], const Valu
     const Floats high =
       lerp(f[k][1], lerp(f[k][0], lower[k][2], upper[k][2]), lerp(f[k][0], lower[k][3], upper[k][3]));
     const Floats value =
-      hn::MulAdd(lerp(f[k][2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
+      mulAdd(lerp(f[k][2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
     // Rounding must not leave the hull by which nodes are skipped.
     position[k] = hn::Min(hn::Max(value, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
   }
@@ -256,10 +267,10 @@ HWY_INLINE int takePoints(const float* entries, const Span& span, float i, const
   }
   for (int k = 0; k < Count; ++k)
   {
-    const Floats weight = hn::NegMulAdd(light.transmittance, passes[k], light.transmittance);
-    light.red = hn::MulAdd(weight, hn::GatherIndex(d, entries, entry[k]), light.red);
-    light.green = hn::MulAdd(weight, hn::GatherIndex(d, entries + 1, entry[k]), light.green);
-    light.blue = hn::MulAdd(weight, hn::GatherIndex(d, entries + 2, entry[k]), light.blue);
+    const Floats weight = negMulAdd(light.transmittance, passes[k], light.transmittance);
+    light.red = mulAdd(weight, hn::GatherIndex(d, entries, entry[k]), light.red);
+    light.green = mulAdd(weight, hn::GatherIndex(d, entries + 1, entry[k]), light.green);
+    light.blue = mulAdd(weight, hn::GatherIndex(d, entries + 2, entry[k]), light.blue);
     light.transmittance = hn::Mul(light.transmittance, passes[k]);
   }
   return Count;
@@ -309,10 +320,10 @@ HWY_INLINE void takeIntegrals(const KernelTable::Integral* integrals, const Span
       exp2(hn::Mul(extinction, hn::Mul(span.depthPerExtinction, hn::Set(d, -1.44269504f))));
     // Of the light that the step holds back; none where there is no extinction.
     const Floats weight = hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)),
-      hn::Div(hn::NegMulAdd(light.transmittance, passes, light.transmittance), extinction));
-    light.red = hn::MulAdd(weight, mean[0], light.red);
-    light.green = hn::MulAdd(weight, mean[1], light.green);
-    light.blue = hn::MulAdd(weight, mean[2], light.blue);
+      hn::Div(negMulAdd(light.transmittance, passes, light.transmittance), extinction));
+    light.red = mulAdd(weight, mean[0], light.red);
+    light.green = mulAdd(weight, mean[1], light.green);
+    light.blue = mulAdd(weight, mean[2], light.blue);
     light.transmittance = hn::Mul(light.transmittance, passes);
   }
 }
