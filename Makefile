@@ -51,6 +51,7 @@ BENCH = $(BUILD)/bench
 FORESTS = mandelbulb-0.3M mandelbulb-2.6M mandelbulb-20M sheet-23M
 bench: build $(FORESTS:%=$(BENCH)/%.p8est)
 	$(BUILD)/bin/treeamr-benchmark $(BENCH) --json $(BENCH)/bench.json
+	$(BUILD)/bin/treeamr-benchmark $(BENCH) --only procedural-200M
 
 $(BENCH)/mandelbulb-0.3M.p8est: REFINEMENT = 4 7 0.05
 $(BENCH)/mandelbulb-2.6M.p8est: REFINEMENT = 4 9 0.55
