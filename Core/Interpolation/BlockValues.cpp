@@ -362,6 +362,36 @@ double onSparseLattice(const Level& level, const BlockVertex& b) noexcept
   return present == (1u << count) - 1 ? sum : sum / total;
 }
 
+std::array<float, 125> rounded(const std::array<double, 125>& values) noexcept
+{
+  std::array<float, 125> floats;
+  for (int i = 0; i < 125; ++i)
+  {
+    floats[i] = static_cast<float>(values[i]);
+  }
+  return floats;
+}
+
+/// In sixteen interleaved parts, which compilers vectorise; the last overlaps the one before.
+Range hull(const std::array<float, 125>& values) noexcept
+{
+  constexpr int width = 16;
+  std::array<float, width> low;
+  std::array<float, width> high;
+  std::copy_n(values.end() - width, width, low.begin());
+  high = low;
+  for (int part = 0; part + width <= 125; part += width)
+  {
+    for (int i = 0; i < width; ++i)
+    {
+      const float v = values[part + i];
+      low[i] = v < low[i] ? v : low[i];
+      high[i] = v > high[i] ? v : high[i];
+    }
+  }
+  return { *std::min_element(low.begin(), low.end()), *std::max_element(high.begin(), high.end()) };
+}
+
 template <unsigned Axes, class Level>
 double latticeValue(const Level& level, const BlockVertex& b) noexcept
 {
@@ -617,8 +647,17 @@ void BlockEvaluator::computeSpecial(
   for (unsigned axes = 0; axes < 8; ++axes)
   {
     forAxes(axes, [&]<unsigned Axes>() noexcept {
-      forEachVertex(both(lattice, tables.verticesOfAxes[Axes]),
-        [&](int vertex) { out[vertex] = latticeValue<Axes>(level, tables.vertex[vertex]); });
+      const BlockVertexMask vertices = both(lattice, tables.verticesOfAxes[Axes]);
+      if (level.missing == 0)
+      {
+        forEachVertex(
+          vertices, [&](int vertex) { out[vertex] = onLattice<Axes>(level, tables.vertex[vertex]); });
+      }
+      else
+      {
+        forEachVertex(
+          vertices, [&](int vertex) { out[vertex] = latticeValue<Axes>(level, tables.vertex[vertex]); });
+      }
     });
   }
 }
@@ -698,50 +737,20 @@ void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
   computeSpecial(path, depth, *level, both(special, verticesOf(drawn_)), values_.data());
 }
 
-Range BlockEvaluator::rangeOfDrawn() const noexcept
-{
-  if (drawn_ == 0xff)
-  {
-    // Plane by plane, which compilers vectorise.
-    std::array<double, 25> low;
-    std::array<double, 25> high;
-    std::copy_n(values_.begin(), 25, low.begin());
-    std::copy_n(values_.begin(), 25, high.begin());
-    for (int plane = 1; plane < 5; ++plane)
-    {
-      for (int i = 0; i < 25; ++i)
-      {
-        const double v = values_[25 * plane + i];
-        low[i] = v < low[i] ? v : low[i];
-        high[i] = v > high[i] ? v : high[i];
-      }
-    }
-    return { static_cast<float>(*std::min_element(low.begin(), low.end())),
-      static_cast<float>(*std::max_element(high.begin(), high.end())) };
-  }
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
-  forEachVertex(verticesOf(drawn_), [&](int vertex) {
-    low = std::min(low, values_[vertex]);
-    high = std::max(high, values_[vertex]);
-  });
-  return { static_cast<float>(low), static_cast<float>(high) };
-}
-
 Range BlockEvaluator::bounds(const BlockPath& path) noexcept
 {
   Level& level = levelAt(path, path.depth);
   if (level.coarsest < path.depth)
   {
     // Vertices may depend on cells that are not around the node.
-    evaluate(path, BlockCells::Leaves);
-    return rangeOfDrawn();
+    BlockValues block;
+    compute(path, BlockCells::Leaves, block);
+    return block.range;
   }
   if ((level.refined | level.coarse | level.none) == 0)
   {
-    drawn_ = 0xff;
     uniformValues(level);
-    return rangeOfDrawn();
+    return hull(rounded(values_));
   }
   gatherChildValues(level);
   double low = std::numeric_limits<double>::infinity();
@@ -770,15 +779,16 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
 void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept
 {
   evaluate(path, cells);
-  block.range = rangeOfDrawn();
-  if (drawn_ == 0xff)
+  block.values = rounded(values_);
+  if (drawn_ != 0xff)
   {
-    std::copy(values_.begin(), values_.end(), block.values.begin());
-    return;
+    // The middle of a drawn child stands in for what is not drawn, so that the hull is that of the rest.
+    const int octant = std::countr_zero(drawn_);
+    const float drawn = block.values[31 + 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2)];
+    const BlockVertexMask all{ ~std::uint64_t(0), (std::uint64_t(1) << (125 - 64)) - 1 };
+    forEachVertex(without(all, verticesOf(drawn_)), [&](int vertex) { block.values[vertex] = drawn; });
   }
-  block.values.fill(block.range.min);
-  forEachVertex(
-    verticesOf(drawn_), [&](int vertex) { block.values[vertex] = static_cast<float>(values_[vertex]); });
+  block.range = hull(block.values);
 }
 
 } // namespace treeamr

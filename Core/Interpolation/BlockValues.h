@@ -16,7 +16,7 @@ namespace treeamr
 struct BlockValues
 {
   /// Order x + 5 y + 25 z with x, y, z in 0 to 4 half widths of a child from the node's lower corner.
-  /// Vertices that no drawn child has hold the lower end of the range.
+  /// Vertices that no drawn child has hold some value of the range.
   std::array<float, 125> values;
   Range range; // hull of the drawn children's vertex values
 };
@@ -98,7 +98,6 @@ private:
   double hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept;
   void uniformValues(const Level& level) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
-  Range rangeOfDrawn() const noexcept;
 
   const Field& field_;
   const Octree& octree_;
