@@ -776,19 +776,37 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 
+namespace
+{
+
+/// The middle of a drawn child stands in for what is not drawn, so that the hull is that of the rest.
+template <class T>
+void fillUndrawn(std::array<T, 125>& values, unsigned drawn) noexcept
+{
+  if (drawn != 0xff)
+  {
+    const int octant = std::countr_zero(drawn);
+    const T value = values[31 + 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2)];
+    const BlockVertexMask all{ ~std::uint64_t(0), (std::uint64_t(1) << (125 - 64)) - 1 };
+    forEachVertex(without(all, verticesOf(drawn)), [&](int vertex) { values[vertex] = value; });
+  }
+}
+
+} // namespace
+
 void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept
 {
   evaluate(path, cells);
   block.values = rounded(values_);
-  if (drawn_ != 0xff)
-  {
-    // The middle of a drawn child stands in for what is not drawn, so that the hull is that of the rest.
-    const int octant = std::countr_zero(drawn_);
-    const float drawn = block.values[31 + 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2)];
-    const BlockVertexMask all{ ~std::uint64_t(0), (std::uint64_t(1) << (125 - 64)) - 1 };
-    forEachVertex(without(all, verticesOf(drawn_)), [&](int vertex) { block.values[vertex] = drawn; });
-  }
+  fillUndrawn(block.values, drawn_);
   block.range = hull(block.values);
+}
+
+void BlockEvaluator::computeUnrounded(const BlockPath& path, std::array<double, 125>& values) noexcept
+{
+  evaluate(path, BlockCells::Leaves);
+  values = values_;
+  fillUndrawn(values, drawn_);
 }
 
 } // namespace treeamr

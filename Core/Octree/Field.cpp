@@ -69,6 +69,9 @@ void Field::computeMeans()
 {
   const Octree& octree = *octree_;
   means_.resize(octree.innerCount());
+  meanBase_ = range_.min > 0.f && range_.max < 2.f * range_.min ? range_.min
+    : range_.max < 0.f && range_.min > 2.f * range_.max         ? range_.max
+                                                                : 0.;
   std::vector<double> volumes;
   std::vector<double> volumesBelow;
   for (int depth = octree.innerDepths(); depth-- > 0;)
@@ -97,7 +100,7 @@ void Field::computeMeans()
         double covered = leafCount;
         for (unsigned i = 0; i < leafCount; ++i)
         {
-          sum += values_[children.firstLeaf + i];
+          sum += values_[children.firstLeaf + i] - meanBase_;
         }
         for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
         {

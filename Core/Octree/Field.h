@@ -21,9 +21,9 @@ public:
   const std::shared_ptr<const Octree>& sharedOctree() const noexcept { return octree_; }
 
   /// The leaf's value or the inner node's mean.
-  float value(NodeRef node) const noexcept
+  double value(NodeRef node) const noexcept
   {
-    return node.isLeaf() ? values_[node.index()] : means_[node.index()];
+    return node.isLeaf() ? values_[node.index()] : meanBase_ + means_[node.index()];
   }
   const std::vector<float>& leafValues() const noexcept { return values_; }
 
@@ -51,7 +51,9 @@ private:
 
   std::shared_ptr<const Octree> octree_;
   std::vector<float> values_;
-  std::vector<float> means_;
+  std::vector<float> means_; // less meanBase_
+  // Where the values' offset is larger than their range, means are rounded to the range's digits, not the offset's.
+  double meanBase_ = 0.;
   std::vector<RangeCode> rangeCodes_;
   Range range_{ 0.f, 0.f };
 };

@@ -59,6 +59,25 @@ RootGrid RootGrid::uniform(
   return RootGrid(std::move(planes));
 }
 
+bool RootGrid::isUniform() const noexcept
+{
+  for (const std::vector<double>& p : planes_)
+  {
+    const auto roots = static_cast<double>(p.size() - 1);
+    const double rounding = 4. * std::numeric_limits<double>::epsilon() *
+      std::max({ std::abs(p.front()), std::abs(p.back()), p.back() - p.front() });
+    for (std::size_t i = 1; i + 1 < p.size(); ++i)
+    {
+      const double even = p.front() + static_cast<double>(i) / roots * (p.back() - p.front());
+      if (!(std::abs(p[i] - even) <= rounding))
+      {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 double RootGrid::worldPlane(int axis, Coord index, int level) const noexcept
 {
   const auto& p = planes_[axis];
@@ -71,6 +90,27 @@ double RootGrid::worldPlane(int axis, Coord index, int level) const noexcept
   }
   const double fraction = static_cast<double>(rest) / static_cast<double>(Coord(1) << level);
   return p[root] + fraction * (p[root + 1] - p[root]);
+}
+
+void RootGrid::worldPlanes(int axis, Coord first, int level, int count, double* planes) const noexcept
+{
+  const auto& p = planes_[axis];
+  const Coord last = roots_[axis];
+  const Coord perRoot = Coord(1) << level;
+  const double part = 1. / static_cast<double>(perRoot); // exact, as its product with a plane's rest is
+  Coord root = first >> level;
+  Coord rest = first - (root << level);
+  for (int i = 0; i < count; ++i)
+  {
+    planes[i] = root >= last ? p[last]
+      : rest == 0            ? p[root]
+                             : p[root] + static_cast<double>(rest) * part * (p[root + 1] - p[root]);
+    if (++rest == perRoot)
+    {
+      rest = 0;
+      ++root;
+    }
+  }
 }
 
 double RootGrid::nodePlane(int axis, Coord index, int depth) const noexcept

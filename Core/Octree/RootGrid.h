@@ -39,6 +39,8 @@ public:
     std::array<int, 3> roots, std::array<double, 3> origin, std::array<double, 3> rootSize);
 
   const std::array<int, 3>& roots() const noexcept { return roots_; }
+  /// Whether the roots are equal boxes, to the rounding of their planes.
+  bool isUniform() const noexcept;
   /// The roots are the cells of this depth of the padded octree: the smallest p with 2^p >= max(roots).
   int paddingDepth() const noexcept { return paddingDepth_; }
   /// Deepest level whose vertices still have 64-bit lattice coordinates.
@@ -47,6 +49,8 @@ public:
   /// World coordinate of plane `index` of the lattice of `level` (>= 0). Planes shared by cells of different
   /// levels get the same bits.
   double worldPlane(int axis, Coord index, int level) const noexcept;
+  /// `count` planes from `first` on; those beyond the domain are its last.
+  void worldPlanes(int axis, Coord first, int level, int count, double* planes) const noexcept;
   /// Planes of a node at an octree depth; above the roots they are clamped to the domain.
   double nodePlane(int axis, Coord index, int depth) const noexcept;
   Bounds nodeBounds(const std::array<Coord, 3>& index, int depth) const noexcept;

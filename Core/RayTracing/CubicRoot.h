@@ -1,7 +1,7 @@
-// The first root of a cubic in [0, 1]: Marmitt et al. 2004, "Fast and accurate ray-voxel intersection
-// techniques for iso-surface ray tracing". The extrema split the interval into monotone pieces; the first
-// piece whose ends differ in sign holds the root. Instead of the paper's repeated linear interpolation the
-// bracket is closed by Newton steps that fall back to bisection, so it cannot diverge.
+// The roots of a cubic in [0, 1]: Marmitt et al. 2004, "Fast and accurate ray-voxel intersection techniques for
+// iso-surface ray tracing". The extrema split the interval into monotone pieces; a piece whose ends differ in
+// sign holds one root. Instead of the paper's repeated linear interpolation the bracket is closed by Newton
+// steps that fall back to bisection, so it cannot diverge.
 #pragma once
 
 #include <algorithm>
@@ -47,9 +47,21 @@ inline double closeBracket(const Cubic& c, double a, double b, bool negativeAtA)
   return s;
 }
 
-/// False when the cubic has no root in [0, 1]. Coefficients must be finite.
-inline bool firstRoot(const Cubic& c, double& root) noexcept
+/// Calls visit(root) for the roots in [0, 1], ascending, until it returns true, and returns whether it did. At
+/// both ends, where the next piece of a ray has a cubic of its own, a value of at most `tolerance` counts as
+/// zero: roots on the seam belong to both. Coefficients must be finite.
+template <class Visit>
+bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
 {
+  double before = c[0];
+  const double last = evaluate(c, 1.);
+  // Further from zero than the cubic is from its chord: |s^2 - s| <= 1/4 and |s^3 - s| <= 0.385.
+  const double nearest = std::min(std::abs(before), std::abs(last));
+  const double bend = 0.25 * std::abs(c[2]) + 0.385 * std::abs(c[3]);
+  if ((before < 0.) == (last < 0.) && nearest > bend && nearest > tolerance)
+  {
+    return false;
+  }
   std::array<double, 4> knots{ 0., 1., 1., 1. };
   int pieces = 1;
   // Extrema: roots of 3 c3 s^2 + 2 c2 s + c1, by the form without cancellation.
@@ -71,24 +83,28 @@ inline bool firstRoot(const Cubic& c, double& root) noexcept
     }
     knots[pieces] = 1.;
   }
-  double before = evaluate(c, 0.);
+  before = std::abs(before) <= tolerance ? 0. : before;
+  if (before == 0. && visit(0.))
+  {
+    return true;
+  }
   for (int i = 0; i < pieces; ++i)
   {
-    if (before == 0.)
+    const bool isLast = i + 1 == pieces;
+    double after = isLast ? last : evaluate(c, knots[i + 1]);
+    after = isLast && std::abs(after) <= tolerance ? 0. : after;
+    if (before != 0. && after != 0. && (before < 0.) != (after < 0.) &&
+      visit(closeBracket(c, knots[i], knots[i + 1], before < 0.)))
     {
-      root = knots[i];
       return true;
     }
-    const double after = evaluate(c, knots[i + 1]);
-    if ((before < 0.) != (after < 0.) && after != 0.)
+    if (after == 0. && visit(knots[i + 1]))
     {
-      root = closeBracket(c, knots[i], knots[i + 1], before < 0.);
       return true;
     }
     before = after;
   }
-  root = 1.;
-  return before == 0.;
+  return false;
 }
 
 } // namespace treeamr

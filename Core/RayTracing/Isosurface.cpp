@@ -1,25 +1,22 @@
-// The paper's section 6.2 with octants as primitives: one descent pruned by the nodes' ranges finds the
-// active ones, Embree builds the hierarchy over their boxes, and a hit is the first root of the cubic that
-// the trilinear field is along a ray.
-//
-// Embree works in single precision. It sees the domain as a unit cube and rays that start where they enter
-// it, and only selects candidates with it: boxes are widened by its rounding, and hits are found and compared
-// in double precision, so the surface is exact at any depth of the tree and any distance from the origin.
+// Embree works in single precision. It sees the domain as a unit cube and rays that start where they enter it,
+// and only selects candidates with it: boxes are widened by its rounding, and hits are found and compared in
+// double precision, so the surface is exact at any depth of the tree and any distance from the origin.
 #include "RayTracing/Isosurface.h"
 
 #include "Error.h"
-#include "Interpolation/VertexValues.h"
-#include "Octree/TreePath.h"
-#include "RayTracing/CubicRoot.h"
-#include "RayTracing/RayBox.h"
+#include "RayTracing/BlockWalk.h"
+#include "RayTracing/SurfaceBlocks.h"
 
 #include <embree3/rtcore.h>
-#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace treeamr
@@ -28,283 +25,260 @@ namespace treeamr
 namespace
 {
 
-/// An octant with the field's values at its corners, x fastest.
-struct ActiveOctant
-{
-  std::array<Coord, 3> index; // on the octant lattice of its leaf
-  std::int32_t level;         // of that lattice: the leaf's plus one
-  std::array<float, 8> values;
-};
-
-class Extraction
-{
-public:
-  Extraction(const Field& field, float isovalue)
-    : field_(field)
-    , isovalue_(isovalue)
-    , serialDepth_(field.octree().grid().paddingDepth() + field.octree().leafLevels() - 3)
-  {
-  }
-
-  /// parent: the range of the node's parent, of the root the field's.
-  void visit(TreePath& path, VertexMemo& memo, Range parent, std::vector<ActiveOctant>& found) const
-  {
-    const NodeRef node = path.node();
-    if (node.isLeaf())
-    {
-      visitLeaf(path, memo, found);
-      return;
-    }
-    const Range range = field_.nodeRange(node, parent);
-    if (!(range.min <= isovalue_ && isovalue_ <= range.max))
-    {
-      return;
-    }
-    const auto visitChild = [this, range](
-                              TreePath& at, VertexMemo& known, int octant, std::vector<ActiveOctant>& into) {
-      if (!at.octree().child(at.node(), octant).isNone())
-      {
-        at.descend(octant);
-        visit(at, known, range, into);
-        at.ascend();
-      }
-    };
-    if (path.depth() >= serialDepth_)
-    {
-      for (int o = 0; o < 8; ++o)
-      {
-        visitChild(path, memo, o, found);
-      }
-      return;
-    }
-    std::array<std::vector<ActiveOctant>, 8> parts;
-    tbb::parallel_for(0, 8, [&](int o) {
-      TreePath own(path);
-      VertexMemo known;
-      visitChild(own, known, o, parts[o]);
-    });
-    for (const auto& part : parts)
-    {
-      found.insert(found.end(), part.begin(), part.end());
-    }
-  }
-
-private:
-  void visitLeaf(const TreePath& path, VertexMemo& memo, std::vector<ActiveOctant>& found) const
-  {
-    if (field_.octree().isGhost(path.node().index()))
-    {
-      return;
-    }
-    const VertexValues vertices = vertexValues<VertexRule::GTI>(path, field_, memo);
-    const Range range = hull(vertices);
-    if (!(range.min <= isovalue_ && isovalue_ <= range.max))
-    {
-      return;
-    }
-    for (int o = 0; o < 8; ++o)
-    {
-      const int base = (o & 1) + 3 * (o >> 1 & 1) + 9 * (o >> 2);
-      ActiveOctant octant;
-      for (int c = 0; c < 8; ++c)
-      {
-        octant.values[c] = vertices[base + (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2)];
-      }
-      const auto [low, high] = std::minmax_element(octant.values.begin(), octant.values.end());
-      if (*low <= isovalue_ && isovalue_ <= *high)
-      {
-        octant.level = path.depth() - field_.octree().grid().paddingDepth() + 1;
-        for (int a = 0; a < 3; ++a)
-        {
-          octant.index[a] = 2 * path.index()[a] + (o >> a & 1);
-        }
-        found.push_back(octant);
-      }
-    }
-  }
-
-  const Field& field_;
-  float isovalue_;
-  int serialDepth_;
-};
-
-/// The field minus the isovalue along the part [t0, t1] of a ray, over s in [0, 1].
-Cubic alongRay(const ActiveOctant& octant, float isovalue, const Vec3& from, const Vec3& to) noexcept
-{
-  // Interpolating along x, y and z in turn multiplies by one linear polynomial each.
-  std::array<std::array<double, 2>, 4> x;
-  for (int i = 0; i < 4; ++i)
-  {
-    const double low = static_cast<double>(octant.values[2 * i]) - isovalue;
-    const double difference = static_cast<double>(octant.values[2 * i + 1]) - octant.values[2 * i];
-    x[i] = { low + from[0] * difference, (to[0] - from[0]) * difference };
-  }
-  std::array<std::array<double, 3>, 2> y;
-  const double dy = to[1] - from[1];
-  for (int i = 0; i < 2; ++i)
-  {
-    const auto& low = x[2 * i];
-    const std::array<double, 2> d{ x[2 * i + 1][0] - low[0], x[2 * i + 1][1] - low[1] };
-    y[i] = { low[0] + from[1] * d[0], low[1] + from[1] * d[1] + dy * d[0], dy * d[1] };
-  }
-  const double dz = to[2] - from[2];
-  const std::array<double, 3> d{ y[1][0] - y[0][0], y[1][1] - y[0][1], y[1][2] - y[0][2] };
-  return { y[0][0] + from[2] * d[0], y[0][1] + from[2] * d[1] + dz * d[0],
-    y[0][2] + from[2] * d[2] + dz * d[1], dz * d[2] };
-}
-
-/// d value / d position in the octant (0 to 1 per axis).
-Vec3 gradientAt(const ActiveOctant& octant, const Vec3& p) noexcept
-{
-  Vec3 gradient{};
-  for (int c = 0; c < 8; ++c)
-  {
-    Vec3 w;
-    Vec3 d;
-    for (int a = 0; a < 3; ++a)
-    {
-      const bool upper = c >> a & 1;
-      w[a] = upper ? p[a] : 1. - p[a];
-      d[a] = upper ? 1. : -1.;
-    }
-    gradient[0] += octant.values[c] * d[0] * w[1] * w[2];
-    gradient[1] += octant.values[c] * w[0] * d[1] * w[2];
-    gradient[2] += octant.values[c] * w[0] * w[1] * d[2];
-  }
-  return gradient;
-}
-
 /// Half the widening of a box in Embree's unit cube: a ray's origin, direction and the box are each rounded
 /// to 2^-24 of coordinates up to 1, and the ray's parameter reaches 1.
 constexpr float embreeRounding = 0x1p-22f;
+
+/// Hits of one surface within this part of a block's extent along the ray are one: pieces that meet in a seam
+/// both have a root on it.
+constexpr double sameHit = 0x1p-32;
+
+double seconds(std::chrono::steady_clock::time_point from)
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+}
+
+std::vector<double> checked(std::vector<double> isovalues)
+{
+  if (isovalues.empty())
+  {
+    throw Error("isosurface: no isovalue, needed is at least one");
+  }
+  for (const double isovalue : isovalues)
+  {
+    if (!std::isfinite(isovalue))
+    {
+      throw Error("isosurface: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
+    }
+  }
+  std::sort(isovalues.begin(), isovalues.end());
+  isovalues.erase(std::unique(isovalues.begin(), isovalues.end()), isovalues.end());
+  return isovalues;
+}
+
+const Field& withRanges(const std::shared_ptr<const Field>& field)
+{
+  if (!field->hasNodeRanges())
+  {
+    throw Error("isosurface: the field has no node ranges to find the surface by");
+  }
+  return *field;
+}
+
+/// True only for pixels whose ray passes the box at a distance: cheaper than to make the ray.
+bool missesBox(const PixelFan& fan, const Vec3& eye, const Bounds& box, int x, int y) noexcept
+{
+  double in = 0.;
+  double out = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a)
+  {
+    const double inverse = 1. / (fan.direction[a] + x * fan.perX[a] + y * fan.perY[a]);
+    const double margin = 1e-6 * (box.max[a] - box.min[a]);
+    const double low = (box.min[a] - margin - eye[a]) * inverse;
+    const double high = (box.max[a] + margin - eye[a]) * inverse;
+    in = std::max(in, std::min(low, high));
+    out = std::min(out, std::max(low, high));
+  }
+  return in > out; // not for NaN
+}
+
+/// A ray's query, passed through Embree.
+struct Query
+{
+  RTCIntersectContext context; // first: Embree hands back a pointer to it
+  SlabRay ray;
+  double tEnter;        // Embree's ray parameter 0
+  double tLeave;        // Embree's ray parameter 1
+  double rounding = 0.; // bound of the error of a place along the ray
+  SurfaceHit nearest{};
+  Vec3 place{}; // of the nearest hit in its octant
+  std::vector<SurfaceHit>* all = nullptr;
+};
 
 } // namespace
 
 struct Isosurface::Impl
 {
-  std::shared_ptr<const Field> field;
-  float isovalue;
-  Bounds domain;
-  std::vector<ActiveOctant> octants;
+  IsosurfaceStatistics statistics;
+  SurfaceBlocks blocks;
+  TraceSpace space;
+  Bounds domain; // in it
+  std::atomic<std::ptrdiff_t> embreeBytes{ 0 };
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
+  Impl(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes)
+    : blocks(field, std::move(isovalues), keptBytes)
+    , space(field->octree().grid())
+    , domain(space.domain())
+  {
+  }
   ~Impl()
   {
-    if (scene)
-    {
-      rtcReleaseScene(scene);
-    }
-    if (device)
-    {
-      rtcReleaseDevice(device);
-    }
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
   }
 
-  /// A ray's query, passed through Embree.
-  struct Query
+  static bool count(void* self, ssize_t bytes, bool) noexcept
   {
-    RTCIntersectContext context; // first: Embree hands back a pointer to it
-    const Impl* surface;
-    SlabRay ray;
-    double tHit;
-    double tEnter; // Embree's ray parameter 0
-    double tLeave; // Embree's ray parameter 1
-    std::uint32_t octant = RTC_INVALID_GEOMETRY_ID;
-  };
-
-  Bounds boxOf(const ActiveOctant& octant) const noexcept
-  {
-    Bounds b;
-    for (int a = 0; a < 3; ++a)
-    {
-      b.min[a] = field->octree().grid().worldPlane(a, octant.index[a], octant.level);
-      b.max[a] = field->octree().grid().worldPlane(a, octant.index[a] + 1, octant.level);
-    }
-    return b;
+    static_cast<Impl*>(self)->embreeBytes += bytes;
+    return true;
   }
 
   static void bounds(const RTCBoundsFunctionArguments* args) noexcept
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    const Bounds box = self.boxOf(self.octants[args->primID]);
+    const SurfaceBlock& block = self.blocks.all()[args->primID];
+    const BlockPlanes planes(self.space, block);
     float* lower = &args->bounds_o->lower_x;
     float* upper = &args->bounds_o->upper_x;
     for (int a = 0; a < 3; ++a)
     {
       const double extent = self.domain.max[a] - self.domain.min[a];
-      lower[a] = static_cast<float>((box.min[a] - self.domain.min[a]) / extent) - embreeRounding;
-      upper[a] = static_cast<float>((box.max[a] - self.domain.min[a]) / extent) + embreeRounding;
+      const double low = planes.at[a][block.firstActive(a)];
+      const double high = planes.at[a][block.endActive(a)];
+      lower[a] = static_cast<float>((low - self.domain.min[a]) / extent) - embreeRounding;
+      upper[a] = static_cast<float>((high - self.domain.min[a]) / extent) + embreeRounding;
     }
   }
 
-  static void intersect(const RTCIntersectFunctionNArguments* args) noexcept
+  static Query& queryOf(const RTCIntersectContext* context) noexcept
   {
-    auto& query = *reinterpret_cast<Query*>(args->context);
-    const Impl& self = *query.surface;
-    if (args->valid[0] == 0)
+    return *reinterpret_cast<Query*>(const_cast<RTCIntersectContext*>(context));
+  }
+
+  static void nearest(const RTCIntersectFunctionNArguments* args)
+  {
+    Query& query = queryOf(args->context);
+    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
+    if (args->valid[0] != 0 && self.nearestInBlock(args->primID, query))
     {
-      return;
-    }
-    double t;
-    if (!self.hitOctant(self.octants[args->primID], query, t))
-    {
-      return;
-    }
-    // Neighbours meet in shared faces: of equal hits the first octant's counts, whatever the order of visits.
-    if (t < query.tHit || (t == query.tHit && args->primID < query.octant))
-    {
-      query.tHit = t;
-      query.octant = args->primID;
-      const auto parameter = static_cast<float>((t - query.tEnter) / (query.tLeave - query.tEnter));
+      const auto parameter =
+        static_cast<float>((query.nearest.t - query.tEnter) / (query.tLeave - query.tEnter));
       RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, 1), 1, 0) = parameter + embreeRounding;
     }
   }
 
-  bool hitOctant(const ActiveOctant& octant, const Query& query, double& t) const noexcept
+  static void collect(const RTCIntersectFunctionNArguments* args)
   {
-    const Bounds box = boxOf(octant);
-    double t0 = query.tEnter;
-    double t1 = query.tLeave; // not up to tHit: equal hits of neighbours must both be found
-    if (!query.ray.clip(box.min, box.max, t0, t1))
+    Query& query = queryOf(args->context);
+    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
+    if (args->valid[0] != 0)
     {
-      return false;
+      self.collectInBlock(args->primID, query);
     }
-    double root;
-    if (!firstRoot(
-          alongRay(octant, isovalue, localAt(box, query.ray, t0), localAt(box, query.ray, t1)), root))
-    {
-      return false;
-    }
-    t = t0 + root * (t1 - t0);
-    return true;
   }
 
-  static Vec3 localAt(const Bounds& box, const SlabRay& ray, double t) noexcept
+  static void intersectBlock(const RTCIntersectFunctionNArguments* args)
   {
-    Vec3 p;
+    (queryOf(args->context).all ? collect : nearest)(args);
+  }
+
+  static void occludeBlock(const RTCOccludedFunctionNArguments* args)
+  {
+    Query& query = queryOf(args->context);
+    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
+    if (args->valid[0] != 0 && self.nearestInBlock(args->primID, query))
+    {
+      RTCRayN_tfar(args->ray, 1, 0) = -std::numeric_limits<float>::infinity();
+    }
+  }
+
+  /// How far from zero a value may be on the seam of two octants that is zero on it.
+  static double toleranceOf(
+    const SurfaceRecord& record, const BlockPlanes& planes, const Query& query) noexcept
+  {
+    double width = planes.at[0][1] - planes.at[0][0];
+    for (int a = 1; a < 3; ++a)
+    {
+      width = std::min(width, planes.at[a][1] - planes.at[a][0]);
+    }
+    return record.tolerance + record.hull * (query.rounding / width);
+  }
+
+  /// Whether the query's nearest hit is now in this block.
+  bool nearestInBlock(std::uint32_t block, Query& query) const
+  {
+    const SurfaceRecord& record = blocks.record(block);
+    const BlockPlanes planes(space, blocks.all()[block]);
+    const double tolerance = toleranceOf(record, planes, query);
+    bool closer = false;
+    // Of equal hits of neighbours the first block's counts, whatever the order of visits.
+    walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, query.nearest.t,
+      [&](const OctantCrossing& crossing) {
+        for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
+        {
+          visitRoots(alongCrossing(record, blocks.isovalues()[surface], crossing), tolerance, [&](double s) {
+            const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
+            if (t < query.nearest.t || (t == query.nearest.t && block < query.nearest.block))
+            {
+              query.nearest = { t, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
+              for (int a = 0; a < 3; ++a)
+              {
+                query.place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
+              }
+              closer = true;
+            }
+            return true;
+          });
+        }
+        return !closer;
+      });
+    return closer;
+  }
+
+  Vec3 worldGradient(
+    const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& place) const noexcept
+  {
+    Vec3 gradient = gradientAt(record, planes, octant, place);
     for (int a = 0; a < 3; ++a)
     {
-      p[a] =
-        std::clamp((ray.origin[a] + t * ray.direction[a] - box.min[a]) / (box.max[a] - box.min[a]), 0., 1.);
+      gradient[a] /= space.width(a);
     }
-    return p;
+    return gradient;
+  }
+
+  void collectInBlock(std::uint32_t block, Query& query) const
+  {
+    const SurfaceRecord& record = blocks.record(block);
+    const BlockPlanes planes(space, blocks.all()[block]);
+    const double tolerance = toleranceOf(record, planes, query);
+    walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, query.tLeave,
+      [&](const OctantCrossing& crossing) {
+        for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
+        {
+          visitRoots(alongCrossing(record, blocks.isovalues()[surface], crossing), tolerance, [&](double s) {
+            Vec3 place;
+            for (int a = 0; a < 3; ++a)
+            {
+              place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
+            }
+            query.all->push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0),
+              worldGradient(record, planes, crossing.octant, place), surface, block,
+              static_cast<std::uint8_t>(crossing.octant) });
+            return false;
+          });
+        }
+        return true;
+      });
   }
 
   void build()
   {
+    const auto start = std::chrono::steady_clock::now();
     device = rtcNewDevice(nullptr);
     if (!device)
     {
       throw Error("isosurface: Embree made no device, error " + std::to_string(rtcGetDeviceError(nullptr)));
     }
+    rtcSetDeviceMemoryMonitorFunction(device, count, this);
     scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(octants.size()));
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(blocks.all().size()));
     rtcSetGeometryUserData(geometry, this);
     rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, intersect);
+    rtcSetGeometryIntersectFunction(geometry, intersectBlock);
+    rtcSetGeometryOccludedFunction(geometry, occludeBlock);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -312,38 +286,83 @@ struct Isosurface::Impl
     if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     {
       throw Error("isosurface: Embree reports error " + std::to_string(error) + " for " +
-        std::to_string(octants.size()) + " octants");
+        std::to_string(blocks.all().size()) + " nodes");
     }
+    statistics.hierarchySeconds = seconds(start);
+  }
+
+  /// Calls trace(query, ray) with the ray in Embree's unit cube, unless it misses the domain.
+  template <class Trace>
+  void withQuery(const Ray& ray, double tMin, double tMax, const Trace& trace) const
+  {
+    if (!scene)
+    {
+      return;
+    }
+    Query query{ {}, SlabRay(space.ray(ray)), tMin, tMax };
+    for (int a = 0; a < 3; ++a)
+    {
+      // A ray that runs in a face belongs to the side above it, in the domain's upper face to that below.
+      if (query.ray.origin[a] == domain.max[a] && !query.ray.crosses(a))
+      {
+        query.ray.origin[a] = std::nextafter(domain.max[a], domain.min[a]);
+      }
+    }
+    if (!query.ray.clip(domain.min, domain.max, query.tEnter, query.tLeave))
+    {
+      return;
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      const double reach = std::abs(query.ray.origin[a]) + query.tLeave * std::abs(query.ray.direction[a]);
+      query.rounding = std::max(query.rounding, 0x1p-50 * reach);
+    }
+    query.nearest.t = std::numeric_limits<double>::infinity();
+    query.nearest.block = RTC_INVALID_GEOMETRY_ID;
+    rtcInitIntersectContext(&query.context);
+    RTCRay r;
+    float* origin = &r.org_x;
+    float* direction = &r.dir_x;
+    for (int a = 0; a < 3; ++a)
+    {
+      const double extent = domain.max[a] - domain.min[a];
+      origin[a] = static_cast<float>(
+        (query.ray.origin[a] + query.tEnter * query.ray.direction[a] - domain.min[a]) / extent);
+      direction[a] = static_cast<float>(query.ray.direction[a] * (query.tLeave - query.tEnter) / extent);
+    }
+    r.tnear = 0.f;
+    r.tfar = 1.f + embreeRounding;
+    r.time = 0.f;
+    r.mask = 0xffffffffu;
+    r.id = 0;
+    r.flags = 0;
+    trace(query, r);
+  }
+
+  void intersectWith(Query& query, const RTCRay& ray) const
+  {
+    RTCRayHit rayHit;
+    rayHit.ray = ray;
+    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &query.context, &rayHit);
   }
 };
 
-Isosurface::Isosurface(std::shared_ptr<const Field> field, float isovalue)
-  : impl_(std::make_unique<Impl>())
+Isosurface::Isosurface(
+  std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes)
 {
-  if (!std::isfinite(isovalue))
+  isovalues = checked(std::move(isovalues));
+  withRanges(field);
+  const auto start = std::chrono::steady_clock::now();
+  impl_ = std::make_unique<Impl>(std::move(field), std::move(isovalues), keptBytes);
+  impl_->statistics.extractionSeconds = seconds(start);
+  const std::size_t blocks = impl_->blocks.all().size();
+  if (blocks >= RTC_INVALID_GEOMETRY_ID)
   {
-    throw Error("isosurface: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
-  }
-  if (!field->hasNodeRanges())
-  {
-    throw Error("isosurface: the field has no node ranges to find the surface by");
-  }
-  impl_->field = std::move(field);
-  impl_->isovalue = isovalue;
-  impl_->domain = impl_->field->octree().grid().bounds();
-  TreePath path(impl_->field->octree());
-  if (!path.node().isNone())
-  {
-    VertexMemo memo;
-    Extraction(*impl_->field, isovalue).visit(path, memo, impl_->field->range(), impl_->octants);
-  }
-  impl_->octants.shrink_to_fit();
-  if (impl_->octants.size() >= RTC_INVALID_GEOMETRY_ID)
-  {
-    throw Error("isosurface: " + std::to_string(impl_->octants.size()) + " active octants, allowed are " +
+    throw Error("isosurface: " + std::to_string(blocks) + " nodes with the surface, allowed are " +
       std::to_string(RTC_INVALID_GEOMETRY_ID - 1));
   }
-  if (!impl_->octants.empty())
+  if (blocks != 0)
   {
     impl_->build();
   }
@@ -351,90 +370,153 @@ Isosurface::Isosurface(std::shared_ptr<const Field> field, float isovalue)
 
 Isosurface::~Isosurface() = default;
 
-float Isosurface::isovalue() const noexcept
+const std::vector<double>& Isosurface::isovalues() const noexcept
 {
-  return impl_->isovalue;
+  return impl_->blocks.isovalues();
 }
 
-std::size_t Isosurface::primitiveCount() const noexcept
+IsosurfaceStatistics Isosurface::statistics() const
 {
-  return impl_->octants.size();
+  IsosurfaceStatistics statistics = impl_->statistics;
+  statistics.blocks = impl_->blocks.all().size();
+  statistics.octants = impl_->blocks.octantCount();
+  statistics.blockBytes = impl_->blocks.byteSize();
+  statistics.hierarchyBytes = static_cast<std::size_t>(impl_->embreeBytes.load());
+  statistics.keptBytes = impl_->blocks.keptBytes();
+  return statistics;
 }
 
-bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, Hit& hit) const
+bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const
 {
-  if (impl_->octants.empty())
-  {
-    return false;
-  }
-  const SlabRay slab(ray);
-  double tEnter = tMin;
-  double tLeave = tMax;
-  if (!slab.clip(impl_->domain.min, impl_->domain.max, tEnter, tLeave))
-  {
-    return false;
-  }
-  Impl::Query query{ {}, impl_.get(), slab, tLeave, tEnter, tLeave };
-  rtcInitIntersectContext(&query.context);
-  RTCRayHit rayHit{};
-  float* origin = &rayHit.ray.org_x;
-  float* direction = &rayHit.ray.dir_x;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double extent = impl_->domain.max[a] - impl_->domain.min[a];
-    origin[a] =
-      static_cast<float>((ray.origin[a] + tEnter * ray.direction[a] - impl_->domain.min[a]) / extent);
-    direction[a] = static_cast<float>(ray.direction[a] * (tLeave - tEnter) / extent);
-  }
-  rayHit.ray.tnear = 0.f;
-  rayHit.ray.tfar = 1.f + embreeRounding;
-  rayHit.ray.mask = 0xffffffffu;
-  rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &query.context, &rayHit);
-  if (query.octant == RTC_INVALID_GEOMETRY_ID)
-  {
-    return false;
-  }
-  const ActiveOctant& octant = impl_->octants[query.octant];
-  const Bounds box = impl_->boxOf(octant);
-  hit.t = query.tHit;
-  hit.gradient = gradientAt(octant, Impl::localAt(box, slab, query.tHit));
-  for (int a = 0; a < 3; ++a)
-  {
-    hit.gradient[a] /= box.max[a] - box.min[a];
-  }
-  return true;
-}
-
-void Isosurface::render(const Camera& camera, HitImage& hits) const
-{
-  const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
-  hits.depth.assign(pixels, 1.f);
-  hits.hit.assign(pixels, 0);
-  hits.point.resize(pixels);
-  hits.gradient.resize(pixels);
-  tbb::parallel_for(tbb::blocked_range<int>(0, camera.height(), 4), [&](const auto& rows) {
-    for (int y = rows.begin(); y < rows.end(); ++y)
+  bool found = false;
+  impl_->withQuery(ray, tMin, tMax, [&](Query& query, const RTCRay& r) {
+    impl_->intersectWith(query, r);
+    hit = query.nearest;
+    found = hit.block != RTC_INVALID_GEOMETRY_ID;
+    if (found)
     {
-      for (int x = 0; x < camera.width(); ++x)
-      {
-        const Ray ray = camera.ray(x, y);
-        Hit hit;
-        if (!intersect(ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), hit))
-        {
-          continue;
-        }
-        const std::size_t pixel = static_cast<std::size_t>(y) * camera.width() + x;
-        hits.hit[pixel] = 1;
-        hits.depth[pixel] = static_cast<float>(camera.depthFromT(ray, hit.t));
-        hits.gradient[pixel] = hit.gradient;
-        for (int a = 0; a < 3; ++a)
-        {
-          hits.point[pixel][a] = ray.origin[a] + hit.t * ray.direction[a];
-        }
-      }
+      const BlockPlanes planes(impl_->space, impl_->blocks.all()[hit.block]);
+      hit.gradient = impl_->worldGradient(impl_->blocks.record(hit.block), planes, hit.octant, query.place);
     }
   });
+  return found;
+}
+
+void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const
+{
+  hits.clear();
+  impl_->withQuery(ray, tMin, tMax, [&](Query& query, const RTCRay& r) {
+    query.all = &hits;
+    impl_->intersectWith(query, r);
+    std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
+      return a.surface != b.surface ? a.surface < b.surface : a.t != b.t ? a.t < b.t : a.block < b.block;
+    });
+    const auto same = [&](const SurfaceHit& a, const SurfaceHit& b) {
+      return a.surface == b.surface && b.t - a.t <= sameHit * leafWidth(a);
+    };
+    hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
+    std::stable_sort(
+      hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) { return a.t < b.t; });
+  });
+}
+
+bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
+{
+  bool found = false;
+  impl_->withQuery(ray, tMin, tMax, [&](Query& query, RTCRay r) {
+    rtcOccluded1(impl_->scene, &query.context, &r);
+    found = query.nearest.block != RTC_INVALID_GEOMETRY_ID;
+  });
+  return found;
+}
+
+void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& image) const
+{
+  const auto width = static_cast<std::size_t>(camera.width());
+  const std::size_t pixels = width * camera.height();
+  image.first.assign(pixels + 1, 0);
+  const std::optional<PixelFan> fan = camera.isPerspective() ? std::optional(camera.fan()) : std::nullopt;
+  const Vec3 eye = camera.eye();
+  const Bounds domain = impl_->blocks.field().octree().grid().bounds();
+  // Tiles: rays near each other ask for the same vertex values.
+  constexpr int tile = 16;
+  const int tilesX = (camera.width() + tile - 1) / tile;
+  const int tilesY = (camera.height() + tile - 1) / tile;
+  std::vector<std::vector<SurfaceHit>> parts(static_cast<std::size_t>(tilesX) * tilesY);
+  const auto forTiles = [&](const auto& body) {
+    tbb::parallel_for(
+      tbb::blocked_range2d<int>(0, tilesY, 0, tilesX), [&](const tbb::blocked_range2d<int>& range) {
+        for (int j = range.rows().begin(); j < range.rows().end(); ++j)
+        {
+          for (int i = range.cols().begin(); i < range.cols().end(); ++i)
+          {
+            body(i, j, parts[static_cast<std::size_t>(j) * tilesX + i]);
+          }
+        }
+      });
+  };
+  const auto forPixels = [&](int i, int j, const auto& body) {
+    for (int y = j * tile; y < std::min((j + 1) * tile, camera.height()); ++y)
+    {
+      for (int x = i * tile; x < std::min((i + 1) * tile, camera.width()); ++x)
+      {
+        body(x, y, y * width + x);
+      }
+    }
+  };
+  forTiles([&](int i, int j, std::vector<SurfaceHit>& found) {
+    std::vector<SurfaceHit> ofRay;
+    forPixels(i, j, [&](int x, int y, std::size_t pixel) {
+      if (fan && missesBox(*fan, eye, domain, x, y))
+      {
+        return;
+      }
+      const Ray ray = camera.ray(x, y);
+      const double near = camera.tFromDepth(ray, 0.);
+      const double far = camera.tFromDepth(ray, 1.);
+      if (layers == SurfaceLayers::All)
+      {
+        intersectAll(ray, near, far, ofRay);
+      }
+      else
+      {
+        ofRay.resize(1);
+        ofRay.resize(intersect(ray, near, far, ofRay[0]) ? 1 : 0);
+      }
+      image.first[pixel + 1] = ofRay.size();
+      found.insert(found.end(), ofRay.begin(), ofRay.end());
+    });
+  });
+  for (std::size_t p = 0; p < pixels; ++p)
+  {
+    image.first[p + 1] += image.first[p];
+  }
+  image.hits.resize(image.first[pixels]);
+  forTiles([&](int i, int j, const std::vector<SurfaceHit>& found) {
+    auto next = found.begin();
+    forPixels(i, j, [&](int, int, std::size_t pixel) {
+      const auto count = static_cast<std::ptrdiff_t>(image.first[pixel + 1] - image.first[pixel]);
+      std::copy(next, next + count, image.hits.begin() + static_cast<std::ptrdiff_t>(image.first[pixel]));
+      next += count;
+    });
+  });
+}
+
+std::uint64_t Isosurface::leaf(const SurfaceHit& hit) const noexcept
+{
+  return impl_->blocks.leaf(hit.block, hit.octant);
+}
+
+double Isosurface::leafWidth(const SurfaceHit& hit) const noexcept
+{
+  const BlockPlanes planes(impl_->space, impl_->blocks.all()[hit.block]);
+  double width = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a)
+  {
+    const int cell = hit.octant >> 2 * a & 2;
+    width = std::min(width, (planes.at[a][cell + 2] - planes.at[a][cell]) * impl_->space.width(a));
+  }
+  return width;
 }
 
 } // namespace treeamr

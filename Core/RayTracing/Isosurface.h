@@ -1,10 +1,12 @@
-// Implicit isosurface ray tracing (the paper's section 6.2): active octants in an Embree user geometry.
+// Implicit isosurface ray tracing (the paper's section 6.2): no triangles, a hit is a root of the cubic that the
+// reconstructed field is along a ray in an octant.
 #pragma once
 
 #include "Octree/Field.h"
 #include "RayTracing/Camera.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -12,37 +14,71 @@
 namespace treeamr
 {
 
-/// The first hit of each pixel's ray; width * height entries, lower left first.
-struct HitImage
-{
-  std::vector<float> depth;                    // window depth; 1 without a hit
-  std::vector<std::uint8_t> hit;               // 0 or 1
-  std::vector<std::array<double, 3>> point;    // data coordinates
-  std::vector<std::array<double, 3>> gradient; // of the field, d value / d data coordinate
-};
-
-struct Hit
+struct SurfaceHit
 {
   double t;
-  std::array<double, 3> gradient; // d value / d data coordinate
+  Vec3 gradient;         // of the field, d value / d data coordinate
+  std::uint32_t surface; // which of Isosurface::isovalues()
+  std::uint32_t block;   // where Isosurface::leaf() finds the cell
+  std::uint8_t octant;
+};
+
+/// Hits of each pixel's ray, nearest first: those of pixel p = x + width * y, lower left first, are hits[first[p]]
+/// up to hits[first[p + 1]].
+struct HitImage
+{
+  std::vector<std::size_t> first;
+  std::vector<SurfaceHit> hits;
+};
+
+enum class SurfaceLayers
+{
+  Nearest, // one hit per pixel at most
+  All
+};
+
+struct IsosurfaceStatistics
+{
+  std::size_t octants = 0; // that a surface passes through,
+  std::size_t blocks = 0;  // in so many inner nodes
+  std::size_t blockBytes = 0;
+  std::size_t hierarchyBytes = 0; // Embree's
+  std::size_t keptBytes = 0;      // of vertex values
+  double extractionSeconds = 0.;  // of wall time
+  double hierarchySeconds = 0.;
 };
 
 class Isosurface
 {
 public:
-  /// Extracts the active octants and builds the acceleration structure. The field needs its node ranges.
-  /// Throws Error for a non-finite isovalue or when Embree fails.
-  Isosurface(std::shared_ptr<const Field> field, float isovalue);
+  static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
+
+  /// Finds the nodes with octants that the surfaces of the isovalues pass through and builds Embree's hierarchy
+  /// over them. Vertex values are kept within keptBytes, and computed where rays come when not all fit. The field needs its node ranges.
+  /// Throws Error without isovalues, for one that is not finite, or when Embree fails.
+  Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
+    std::size_t keptBytes = defaultKeptBytes);
   ~Isosurface();
   Isosurface(const Isosurface&) = delete;
   Isosurface& operator=(const Isosurface&) = delete;
 
-  float isovalue() const noexcept;
-  std::size_t primitiveCount() const noexcept;
-  /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads.
-  bool intersect(const Ray& ray, double tMin, double tMax, Hit& hit) const;
-  /// First hits between the camera's near and far planes.
-  void render(const Camera& camera, HitImage& hits) const;
+  /// Ascending, each once.
+  const std::vector<double>& isovalues() const noexcept;
+  IsosurfaceStatistics statistics() const;
+
+  /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.
+  bool intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const;
+  /// All hits there, ascending.
+  void intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const;
+  /// Whether there is any hit.
+  bool occluded(const Ray& ray, double tMin, double tMax) const;
+  /// Hits between the camera's near and far planes.
+  void render(const Camera& camera, SurfaceLayers layers, HitImage& image) const;
+
+  /// Index of the leaf that a hit lies in.
+  std::uint64_t leaf(const SurfaceHit& hit) const noexcept;
+  /// Width of that leaf along its shortest axis, in data coordinates.
+  double leafWidth(const SurfaceHit& hit) const noexcept;
 
 private:
   struct Impl;

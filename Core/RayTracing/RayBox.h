@@ -4,6 +4,7 @@
 #include "RayTracing/Camera.h"
 
 #include <array>
+#include <cmath>
 
 namespace treeamr
 {
@@ -22,13 +23,17 @@ struct SlabRay
   {
   }
 
+  /// False for rays that run parallel to the axis' planes, as far as numbers can tell.
+  bool crosses(int axis) const noexcept { return std::isfinite(inverse[axis]); }
+  double planeAt(int axis, double plane) const noexcept { return (plane - origin[axis]) * inverse[axis]; }
+
   /// Narrows [t0, t1] to the box; false when nothing is left. A ray parallel to a face belongs to the box
   /// whose half-open side [min, max) it runs in, so of two neighbours exactly one has it.
   bool clip(const Vec3& boxMin, const Vec3& boxMax, double& t0, double& t1) const noexcept
   {
     for (int a = 0; a < 3; ++a)
     {
-      if (direction[a] == 0.)
+      if (!crosses(a))
       {
         if (!(origin[a] >= boxMin[a] && origin[a] < boxMax[a]))
         {
@@ -36,8 +41,8 @@ struct SlabRay
         }
         continue;
       }
-      const double u = (boxMin[a] - origin[a]) * inverse[a];
-      const double v = (boxMax[a] - origin[a]) * inverse[a];
+      const double u = planeAt(a, boxMin[a]);
+      const double v = planeAt(a, boxMax[a]);
       const double in = u < v ? u : v;
       const double out = u < v ? v : u;
       t0 = in > t0 ? in : t0;

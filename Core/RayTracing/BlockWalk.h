@@ -1,0 +1,257 @@
+// A ray through the octants of a block of leaves, and the field along it.
+#pragma once
+
+#include "RayTracing/CubicRoot.h"
+#include "RayTracing/RayBox.h"
+#include "RayTracing/SurfaceBlocks.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace treeamr
+{
+
+/// The coordinates that rays are traced in. On a uniform root grid they count roots: planes of cells are exact
+/// numbers there, wherever and however large the domain is. Other root grids bend rays, so it is the world's.
+class TraceSpace
+{
+public:
+  explicit TraceSpace(const RootGrid& grid)
+    : grid_(grid)
+    , origin_(grid.bounds().min)
+    , uniform_(grid.isUniform())
+  {
+    const Bounds bounds = grid.bounds();
+    for (int a = 0; a < 3; ++a)
+    {
+      origin_[a] = uniform_ ? bounds.min[a] : 0.;
+      width_[a] = uniform_ ? (bounds.max[a] - bounds.min[a]) / grid.roots()[a] : 1.;
+      domain_.min[a] = uniform_ ? 0. : bounds.min[a];
+      domain_.max[a] = uniform_ ? grid.roots()[a] : bounds.max[a];
+    }
+  }
+
+  const Bounds& domain() const noexcept { return domain_; }
+  /// World length of a unit along an axis.
+  double width(int axis) const noexcept { return width_[axis]; }
+  /// The same t at the same places.
+  Ray ray(const Ray& world) const noexcept
+  {
+    Ray r;
+    for (int a = 0; a < 3; ++a)
+    {
+      r.origin[a] = (world.origin[a] - origin_[a]) / width_[a];
+      r.direction[a] = world.direction[a] / width_[a];
+    }
+    return r;
+  }
+  /// Planes `index` to index + 4 of a level.
+  void planes(int axis, Coord index, int level, std::array<double, 5>& planes) const noexcept
+  {
+    if (!uniform_)
+    {
+      grid_.worldPlanes(axis, index, level, 5, planes.data());
+      return;
+    }
+    const double part = 1. / static_cast<double>(Coord(1) << level);
+    for (int i = 0; i < 5; ++i)
+    {
+      planes[i] = std::min(static_cast<double>(index + i) * part, domain_.max[axis]);
+    }
+  }
+  int paddingDepth() const noexcept { return grid_.paddingDepth(); }
+
+private:
+  const RootGrid& grid_;
+  Vec3 origin_;
+  Vec3 width_;
+  Bounds domain_;
+  bool uniform_;
+};
+
+/// The planes of a block's octants.
+struct BlockPlanes
+{
+  std::array<std::array<double, 5>, 3> at;
+
+  BlockPlanes(const TraceSpace& space, const SurfaceBlock& block) noexcept
+  {
+    const int level = block.depth() + 2 - space.paddingDepth();
+    for (int a = 0; a < 3; ++a)
+    {
+      space.planes(a, 4 * block.index(a), level, at[a]);
+    }
+  }
+};
+
+/// The part of a ray in an octant.
+struct OctantCrossing
+{
+  int octant; // x + 4 y + 16 z
+  double t0;
+  double t1;
+  Vec3 from; // places at t0 and t1, 0 to 1 in the octant
+  Vec3 to;
+};
+
+/// Calls visit(crossing) for the active octants along [t0, t1] of the ray, near to far, until it returns false or
+/// a crossing would start beyond `limit`, which visit() may lower. Octants that share a face, of one block or of
+/// two, get the same t for it, so that no part of the ray is lost between them.
+template <class Visit>
+void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& ray, double t0, double t1,
+  const double& limit, const Visit& visit)
+{
+  struct Axis
+  {
+    std::array<double, 5> t; // of the planes in the order that the ray crosses them
+    double next;             // of them
+    int passed;              // octants along the axis
+    int cell;
+    int step; // of the cell; 0: the ray stays in it
+  };
+  std::array<Axis, 3> axes;
+  for (int a = 0; a < 3; ++a)
+  {
+    Axis& axis = axes[a];
+    const auto& p = planes.at[a];
+    if (!ray.crosses(a))
+    {
+      // Of two neighbours exactly one has a ray that runs in their face.
+      if (!(ray.origin[a] >= p[0] && ray.origin[a] < p[4]))
+      {
+        return;
+      }
+      axis.step = 0;
+      axis.cell = (ray.origin[a] >= p[1]) + (ray.origin[a] >= p[2]) + (ray.origin[a] >= p[3]);
+      continue;
+    }
+    const bool up = ray.direction[a] > 0.;
+    axis.step = up ? 1 : -1;
+    for (int i = 0; i < 5; ++i)
+    {
+      axis.t[i] = ray.planeAt(a, p[up ? i : 4 - i]);
+    }
+    t0 = std::max(t0, axis.t[0]);
+    t1 = std::min(t1, axis.t[4]);
+  }
+  if (!(t0 < t1 && t0 <= limit))
+  {
+    return;
+  }
+  int octant = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    Axis& axis = axes[a];
+    if (axis.step == 0)
+    {
+      axis.next = std::numeric_limits<double>::infinity();
+    }
+    else
+    {
+      axis.passed = (axis.t[1] <= t0) + (axis.t[2] <= t0) + (axis.t[3] <= t0);
+      axis.cell = axis.step > 0 ? axis.passed : 3 - axis.passed;
+      axis.next = axis.t[axis.passed + 1];
+    }
+    octant |= axis.cell << 2 * a;
+  }
+  for (;;)
+  {
+    const int xy = axes[0].next <= axes[1].next ? 0 : 1;
+    const int next = axes[xy].next <= axes[2].next ? xy : 2;
+    Axis& axis = axes[next];
+    const double tOut = std::min(axis.next, t1);
+    if (active >> octant & 1 && t0 < tOut)
+    {
+      OctantCrossing crossing{ octant, t0, tOut, {}, {} };
+      for (int a = 0; a < 3; ++a)
+      {
+        const double low = planes.at[a][axes[a].cell];
+        const double inverse = 1. / (planes.at[a][axes[a].cell + 1] - low);
+        const double origin = ray.origin[a] - low;
+        crossing.from[a] = std::clamp((origin + t0 * ray.direction[a]) * inverse, 0., 1.);
+        crossing.to[a] = std::clamp((origin + tOut * ray.direction[a]) * inverse, 0., 1.);
+      }
+      if (!visit(crossing))
+      {
+        return;
+      }
+    }
+    if (tOut >= t1 || tOut > limit)
+    {
+      return;
+    }
+    t0 = std::max(t0, tOut);
+    octant += axis.step * (1 << 2 * next);
+    axis.cell += axis.step;
+    ++axis.passed;
+    axis.next = axis.t[axis.passed + 1];
+  }
+}
+
+/// Of an octant's eight corners the first, in a block's vertex values.
+constexpr int firstVertex(int octant) noexcept
+{
+  return (octant & 3) + 5 * (octant >> 2 & 3) + 25 * (octant >> 4);
+}
+
+/// The field less the isovalue on the crossing, over s in [0, 1].
+inline Cubic alongCrossing(
+  const SurfaceRecord& record, double isovalue, const OctantCrossing& crossing) noexcept
+{
+  const double* v = record.values.data() + firstVertex(crossing.octant);
+  const Vec3& from = crossing.from;
+  const Vec3& to = crossing.to;
+  // Interpolating along x, y and z in turn multiplies by one linear polynomial each.
+  std::array<std::array<double, 2>, 4> x;
+  for (int i = 0; i < 4; ++i)
+  {
+    const double* low = v + 5 * (i & 1) + 25 * (i >> 1);
+    const double difference = low[1] - low[0];
+    x[i] = { (low[0] - isovalue) + from[0] * difference, (to[0] - from[0]) * difference };
+  }
+  std::array<std::array<double, 3>, 2> y;
+  const double dy = to[1] - from[1];
+  for (int i = 0; i < 2; ++i)
+  {
+    const auto& low = x[2 * i];
+    const std::array<double, 2> d{ x[2 * i + 1][0] - low[0], x[2 * i + 1][1] - low[1] };
+    y[i] = { low[0] + from[1] * d[0], low[1] + from[1] * d[1] + dy * d[0], dy * d[1] };
+  }
+  const double dz = to[2] - from[2];
+  const std::array<double, 3> d{ y[1][0] - y[0][0], y[1][1] - y[0][1], y[1][2] - y[0][2] };
+  return { y[0][0] + from[2] * d[0], y[0][1] + from[2] * d[1] + dz * d[0],
+    y[0][2] + from[2] * d[2] + dz * d[1], dz * d[2] };
+}
+
+/// d value / d coordinate of the planes at a place in the octant.
+inline Vec3 gradientAt(
+  const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& place) noexcept
+{
+  const double* v = record.values.data() + firstVertex(octant);
+  Vec3 gradient{};
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const double value = v[(corner & 1) + 5 * (corner >> 1 & 1) + 25 * (corner >> 2)];
+    Vec3 w;
+    Vec3 d;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = corner >> a & 1;
+      w[a] = upper ? place[a] : 1. - place[a];
+      d[a] = upper ? 1. : -1.;
+    }
+    gradient[0] += value * d[0] * w[1] * w[2];
+    gradient[1] += value * w[0] * d[1] * w[2];
+    gradient[2] += value * w[0] * w[1] * d[2];
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    const int cell = octant >> 2 * a & 3;
+    gradient[a] /= planes.at[a][cell + 1] - planes.at[a][cell];
+  }
+  return gradient;
+}
+
+} // namespace treeamr

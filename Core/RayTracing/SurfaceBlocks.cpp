@@ -1,0 +1,322 @@
+#include "RayTracing/SurfaceBlocks.h"
+
+#include "Error.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace treeamr
+{
+
+namespace
+{
+
+class Search
+{
+public:
+  Search(const Field& field, const std::vector<double>& isovalues)
+    : field_(field)
+    , octree_(field.octree())
+    , isovalues_(isovalues)
+    , serialDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() - 4)
+  {
+  }
+
+  /// parent: the range of the node's parent, of the root the field's.
+  void visit(std::uint64_t node, const std::array<Coord, 3>& index, int depth, Range parent,
+    std::vector<SurfaceBlock>& found) const
+  {
+    const Range range = field_.nodeRange(NodeRef(NodeKind::Inner, depth, node), parent);
+    if (!holdsIsovalue(range))
+    {
+      return;
+    }
+    const Octree::Children children = octree_.children(node);
+    if (children.leaf != 0)
+    {
+      if (depth > SurfaceBlock::maxDepth)
+      {
+        throw Error("isosurface: a cell at depth " + std::to_string(depth + 1) + ", allowed are up to " +
+          std::to_string(SurfaceBlock::maxDepth + 1));
+      }
+      found.emplace_back(index, depth);
+    }
+    const auto visitChild = [&](int octant, std::vector<SurfaceBlock>& into) {
+      std::array<Coord, 3> child;
+      for (int a = 0; a < 3; ++a)
+      {
+        child[a] = 2 * index[a] + (octant >> a & 1);
+      }
+      visit(children.innerIndex(octant), child, depth + 1, range, into);
+    };
+    if (depth >= serialDepth_)
+    {
+      for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+      {
+        visitChild(std::countr_zero(rest), found);
+      }
+      return;
+    }
+    std::array<std::vector<SurfaceBlock>, 8> parts;
+    tbb::parallel_for(0, 8, [&](int o) {
+      if (children.inner() >> o & 1)
+      {
+        visitChild(o, parts[o]);
+      }
+    });
+    for (const auto& part : parts)
+    {
+      found.insert(found.end(), part.begin(), part.end());
+    }
+  }
+
+private:
+  bool holdsIsovalue(Range range) const noexcept
+  {
+    // The range bounds values rounded to float, the surface has those before.
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    const auto first =
+      std::lower_bound(isovalues_.begin(), isovalues_.end(), std::nextafter(range.min, -infinity));
+    return first != isovalues_.end() && *first <= std::nextafter(range.max, infinity);
+  }
+
+  const Field& field_;
+  const Octree& octree_;
+  const std::vector<double>& isovalues_;
+  int serialDepth_;
+};
+
+constexpr int childOf(int octant)
+{
+  return (octant >> 1 & 1) | (octant >> 3 & 1) << 1 | (octant >> 5) << 2;
+}
+
+/// Octants of a block by the child that they are part of.
+constexpr std::array<std::uint64_t, 8> octantsOfChild = [] {
+  std::array<std::uint64_t, 8> masks{};
+  for (int octant = 0; octant < 64; ++octant)
+  {
+    masks[childOf(octant)] |= std::uint64_t(1) << octant;
+  }
+  return masks;
+}();
+
+/// By octant the least, or with std::greater the largest, of its eight vertex values.
+template <class Compare>
+std::array<double, 64> extremes(const std::array<double, 125>& values, Compare compare) noexcept
+{
+  const auto pick = [compare](double a, double b) { return compare(a, b) ? a : b; };
+  std::array<double, 100> x;
+  for (int row = 0; row < 25; ++row)
+  {
+    for (int i = 0; i < 4; ++i)
+    {
+      x[4 * row + i] = pick(values[5 * row + i], values[5 * row + i + 1]);
+    }
+  }
+  std::array<double, 80> y;
+  for (int z = 0; z < 5; ++z)
+  {
+    for (int i = 0; i < 16; ++i)
+    {
+      y[16 * z + i] = pick(x[20 * z + i], x[20 * z + i + 4]);
+    }
+  }
+  std::array<double, 64> z;
+  for (int i = 0; i < 64; ++i)
+  {
+    z[i] = pick(y[i], y[i + 16]);
+  }
+  return z;
+}
+
+/// All blocks whose range holds one of the isovalues, in Morton order.
+std::vector<SurfaceBlock> findCandidates(const Field& field, const std::vector<double>& isovalues)
+{
+  std::vector<SurfaceBlock> found;
+  const NodeRef root = field.octree().root();
+  if (root.isInner())
+  {
+    Search(field, isovalues).visit(root.index(), {}, 0, field.range(), found);
+  }
+  else if (root.isLeaf())
+  {
+    found.emplace_back(std::array<Coord, 3>{}, -1);
+  }
+  return found;
+}
+
+} // namespace
+
+void SurfaceBlock::setActive(std::uint64_t octants) noexcept
+{
+  // By axis the octants of the layers 0, 1, 2 and 3.
+  constexpr std::array<std::uint64_t, 3> layer{ 0x1111111111111111u, 0x000f000f000f000fu, 0xffffu };
+  for (int a = 0; a < 3; ++a)
+  {
+    int first = 0;
+    while ((octants & layer[a] << (first << 2 * a)) == 0)
+    {
+      ++first;
+    }
+    int last = 3;
+    while ((octants & layer[a] << (last << 2 * a)) == 0)
+    {
+      --last;
+    }
+    extent_[a] = static_cast<std::uint8_t>(first | (last + 1) << 3);
+  }
+}
+
+SurfaceBlocks::SurfaceBlocks(
+  std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes)
+  : field_(std::move(field))
+  , isovalues_(std::move(isovalues))
+  , blocks_(findCandidates(*field_, isovalues_))
+  , pool_(blocks_.size(), budgetBytes)
+{
+  // Where not all values fit, those that rays ask for have first claim.
+  findActive(blocks_.size() * sizeof(SurfaceRecord) <= budgetBytes);
+}
+
+SurfaceBlocks::Worker& SurfaceBlocks::worker() const
+{
+  std::unique_ptr<Worker>& worker = workers_.local();
+  if (!worker)
+  {
+    worker.reset(new Worker{ BlockEvaluator(*field_), {}, RecordPool<SurfaceRecord>::Writer(pool_), {} });
+  }
+  return *worker;
+}
+
+void SurfaceBlocks::findActive(bool keep)
+{
+  std::atomic<std::uint64_t> octants{ 0 };
+  // Not active: a depth that no block has.
+  constexpr std::int8_t none = -2;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), 256),
+    [&](const tbb::blocked_range<std::size_t>& range) {
+      Worker& own = worker();
+      std::uint64_t active = 0;
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+      {
+        SurfaceRecord* kept = keep ? own.writer.room() : nullptr;
+        SurfaceRecord& record = kept ? *kept : own.unkept;
+        evaluate(blocks_[i], own, record);
+        if (record.active == 0)
+        {
+          blocks_[i].depth_ = none;
+          continue;
+        }
+        active += std::popcount(record.active);
+        blocks_[i].setActive(record.active);
+        blocks_[i].record_ = kept ? own.writer.keep() : 0;
+      }
+      octants += active;
+    });
+  octants_ = octants;
+  std::erase_if(blocks_, [](const SurfaceBlock& block) { return block.depth_ == none; });
+  blocks_.shrink_to_fit();
+}
+
+std::size_t SurfaceBlocks::byteSize() const noexcept
+{
+  return blocks_.capacity() * sizeof(blocks_[0]);
+}
+
+void SurfaceBlocks::findPath(const SurfaceBlock& block, BlockPath& path) const noexcept
+{
+  path.depth = 0;
+  path.node[0] = field_->octree().root().index();
+  for (int up = block.depth() - 1; up >= 0; --up)
+  {
+    int octant = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      octant |= static_cast<int>(block.index(a) >> up & 1) << a;
+    }
+    path.descend(octant, field_->octree().children(path.node[path.depth]).innerIndex(octant));
+  }
+}
+
+std::uint64_t SurfaceBlocks::leaf(std::uint32_t block, int octant) const noexcept
+{
+  if (blocks_[block].depth() < 0)
+  {
+    return field_->octree().root().index();
+  }
+  BlockPath path;
+  findPath(blocks_[block], path);
+  return field_->octree().children(path.node[path.depth]).leafIndex(childOf(octant));
+}
+
+std::uint64_t SurfaceBlocks::activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept
+{
+  std::uint64_t octants = 0;
+  for (; drawn != 0; drawn &= drawn - 1)
+  {
+    octants |= octantsOfChild[std::countr_zero(drawn)];
+  }
+  const std::array<double, 64> low = extremes(record.values, std::less<>{});
+  const std::array<double, 64> high = extremes(record.values, std::greater<>{});
+  std::uint64_t active = 0;
+  for (const double isovalue : isovalues_)
+  {
+    const double above = isovalue + record.tolerance;
+    const double below = isovalue - record.tolerance;
+    for (int o = 0; o < 64; ++o)
+    {
+      active |= static_cast<std::uint64_t>(low[o] <= above && high[o] >= below) << o;
+    }
+  }
+  return active & octants;
+}
+
+void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept
+{
+  const Octree& octree = field_->octree();
+  unsigned drawn = 1;
+  if (block.depth() < 0)
+  {
+    record.values.fill(field_->value(octree.root()));
+    drawn = octree.isGhost(octree.root().index()) ? 0 : 1;
+  }
+  else
+  {
+    findPath(block, worker.path);
+    worker.evaluator.computeUnrounded(worker.path, record.values);
+    const Octree::Children children = octree.children(worker.path.node[worker.path.depth]);
+    drawn = children.leaf;
+    for (unsigned rest = octree.hasGhosts() ? drawn : 0; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      drawn &= ~(static_cast<unsigned>(octree.isGhost(children.leafIndex(octant))) << octant);
+    }
+  }
+  const auto [low, high] = std::minmax_element(record.values.begin(), record.values.end());
+  record.hull = *high - *low;
+  record.tolerance = 0x1p-49 *
+    std::max({ std::abs(*low), std::abs(*high), std::abs(isovalues_.front()), std::abs(isovalues_.back()) });
+  record.active = activeOctants(record, drawn);
+}
+
+const SurfaceRecord& SurfaceBlocks::compute(SurfaceBlock& block) const
+{
+  Worker& own = worker();
+  SurfaceRecord* kept = own.writer.room();
+  SurfaceRecord& record = kept ? *kept : own.unkept;
+  evaluate(block, own, record);
+  if (kept)
+  {
+    std::atomic_ref(block.record_).store(own.writer.keep(), std::memory_order_release);
+  }
+  return record;
+}
+
+} // namespace treeamr

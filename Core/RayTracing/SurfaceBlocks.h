@@ -1,0 +1,122 @@
+// The inner nodes through whose leaves isosurfaces pass, and their vertex values.
+//
+// The paper's section 6.2 keeps octants and dual cells with eight values each. Here a primitive is an inner node
+// with all its leaf children, 24 bytes for up to 64 octants: the ranges of the nodes find candidates, their vertex
+// values decide. The values themselves are kept where memory is plenty, and else computed again where rays come.
+#pragma once
+
+#include "Interpolation/BlockValues.h"
+#include "RayTracing/RecordPool.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace treeamr
+{
+
+/// An inner node by its place: depth and index on the lattice of that depth, of 40 bits per axis. With the
+/// extent of its active octants, in octants.
+class SurfaceBlock
+{
+public:
+  SurfaceBlock() noexcept = default;
+  /// depth -1: the parent that the octree's root would have, for an octree of a single cell.
+  SurfaceBlock(const std::array<Coord, 3>& index, int depth) noexcept
+    : depth_(static_cast<std::int8_t>(depth))
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      low_[a] = static_cast<std::uint32_t>(index[a]);
+      high_[a] = static_cast<std::uint8_t>(index[a] >> 32);
+    }
+  }
+  static constexpr int maxDepth = 40;
+
+  int depth() const noexcept { return depth_; }
+  Coord index(int axis) const noexcept { return static_cast<Coord>(high_[axis]) << 32 | low_[axis]; }
+
+  /// Octants x + 4 y + 16 z, at least one.
+  void setActive(std::uint64_t octants) noexcept;
+  int firstActive(int axis) const noexcept { return extent_[axis] & 7; }
+  int endActive(int axis) const noexcept { return extent_[axis] >> 3; }
+
+private:
+  friend class SurfaceBlocks;
+
+  std::array<std::uint32_t, 3> low_;
+  std::uint32_t record_ = 0; // where the values are kept; 0: not yet
+  std::array<std::uint8_t, 3> high_;
+  std::int8_t depth_;
+  std::array<std::uint8_t, 3> extent_{};
+};
+static_assert(sizeof(SurfaceBlock) == 24);
+
+/// The vertex values of a block in double precision: both sides of a level boundary agree to its rounding.
+struct alignas(64) SurfaceRecord
+{
+  std::array<double, 125> values; // order of BlockValues
+  std::uint64_t active;           // octants x + 4 y + 16 z of drawn leaves that an isovalue passes through
+  double tolerance;               // bound of the rounding errors of interpolated values
+  double hull;                    // largest less least value
+};
+
+/// Safe from several threads.
+class SurfaceBlocks
+{
+public:
+  /// All blocks with active octants, in Morton order. isovalues: ascending, at least one. The field needs its node
+  /// ranges. Throws Error for a tree deeper than SurfaceBlock::maxDepth.
+  SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes);
+
+  const std::vector<SurfaceBlock>& all() const noexcept { return blocks_; }
+  const std::vector<double>& isovalues() const noexcept { return isovalues_; }
+  const Field& field() const noexcept { return *field_; }
+  /// Valid until the thread's next call, for ever when it is kept.
+  const SurfaceRecord& record(std::uint32_t block) const
+  {
+    const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
+    return number != 0 ? pool_.at(number) : compute(blocks_[block]);
+  }
+  /// The leaf that an octant of a block is part of.
+  std::uint64_t leaf(std::uint32_t block, int octant) const noexcept;
+
+  /// Active octants of all blocks.
+  std::uint64_t octantCount() const noexcept { return octants_; }
+  /// Allocated bytes: of the blocks, and of the records.
+  std::size_t byteSize() const noexcept;
+  std::size_t keptBytes() const noexcept { return pool_.byteSize(); }
+
+private:
+  struct Worker
+  {
+    BlockEvaluator evaluator;
+    BlockPath path;
+    RecordPool<SurfaceRecord>::Writer writer;
+    SurfaceRecord unkept;
+  };
+
+  /// Leaves the active of all blocks. keep: and their values, while there is room.
+  void findActive(bool keep);
+  Worker& worker() const;
+  void evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept;
+  const SurfaceRecord& compute(SurfaceBlock& block) const;
+  /// The inner nodes from the root down to the block's.
+  void findPath(const SurfaceBlock& block, BlockPath& path) const noexcept;
+  /// Which octants of drawn leaves an isovalue passes through.
+  std::uint64_t activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept;
+
+  std::shared_ptr<const Field> field_;
+  std::vector<double> isovalues_;
+  mutable std::vector<SurfaceBlock> blocks_; // rays add their records
+  std::uint64_t octants_ = 0;
+  mutable RecordPool<SurfaceRecord> pool_;
+  mutable tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers_;
+};
+
+} // namespace treeamr

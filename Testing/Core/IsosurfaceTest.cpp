@@ -1,0 +1,547 @@
+#include "RayTracing/Isosurface.h"
+#include "Error.h"
+#include "Octree/OctreeBuilder.h"
+#include "RayTracing/CubicRoot.h"
+#include "Support/BruteForceGTI.h"
+#include "Support/Cameras.h"
+#include "Support/RandomTrees.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
+{
+  auto built = buildOctree(grid, cells);
+  auto field = std::make_shared<Field>(built.octree, built.values);
+  field->computeNodeRanges();
+  return field;
+}
+
+RootGrid unitRoots(const std::array<int, 3>& roots)
+{
+  return RootGrid::uniform(roots, { 0., 0., 0. }, { 1., 1., 1. });
+}
+
+Vec3 at(const Ray& ray, double t)
+{
+  return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
+    ray.origin[2] + t * ray.direction[2] };
+}
+
+bool firstRoot(const Cubic& cubic, double tolerance, double& root)
+{
+  return visitRoots(cubic, tolerance, [&](double s) {
+    root = s;
+    return true;
+  });
+}
+
+/// The reconstruction along a ray in extended precision, octant by octant, from the brute force's vertex values.
+class ReferenceRay
+{
+public:
+  ReferenceRay(const std::array<int, 3>& roots, const std::vector<LeafCell>& cells)
+    : roots_(roots)
+    , truth_(roots, cells)
+  {
+    for (const LeafCell& c : cells)
+    {
+      levels_ = std::max(levels_, c.cell.level);
+    }
+  }
+
+  /// All t in [0, tMax] where the field crosses the isovalue; roots are units of the coordinates.
+  std::vector<double> crossings(const Ray& ray, double tMax, double isovalue)
+  {
+    std::vector<long double> planes{ 0.L, tMax };
+    const Coord perRoot = Coord(2) << levels_;
+    for (int a = 0; a < 3; ++a)
+    {
+      for (Coord i = 0; i <= roots_[a] * perRoot && ray.direction[a] != 0.; ++i)
+      {
+        const long double t = (static_cast<long double>(i) / perRoot - ray.origin[a]) /
+          static_cast<long double>(ray.direction[a]);
+        if (t > 0.L && t < tMax)
+        {
+          planes.push_back(t);
+        }
+      }
+    }
+    std::sort(planes.begin(), planes.end());
+    std::vector<double> found;
+    for (std::size_t i = 0; i + 1 < planes.size(); ++i)
+    {
+      addCrossings(ray, planes[i], planes[i + 1], isovalue, found);
+    }
+    return found;
+  }
+
+private:
+  void addCrossings(
+    const Ray& ray, long double t0, long double t1, double isovalue, std::vector<double>& found)
+  {
+    const Vec3 middle = test::operator-(at(ray, static_cast<double>(0.5L * (t0 + t1))), Vec3{});
+    const CellId* leaf = truth_.leafAt(middle);
+    if (!leaf)
+    {
+      return;
+    }
+    const Coord half = Coord(1) << (levels_ - leaf->level);
+    std::array<Coord, 3> corner;
+    for (int a = 0; a < 3; ++a)
+    {
+      const auto low = 2 * half * leaf->index[a];
+      const double split = static_cast<double>(low + half) / static_cast<double>(Coord(2) << levels_);
+      corner[a] = low + (middle[a] >= split ? half : 0);
+    }
+    std::array<long double, 8> values;
+    for (int c = 0; c < 8; ++c)
+    {
+      values[c] = static_cast<long double>(vertex({ corner[0] + (c & 1 ? half : 0),
+                    corner[1] + (c & 2 ? half : 0), corner[2] + (c & 4 ? half : 0) })) -
+        isovalue;
+    }
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    if (*low > 0.L || *high < 0.L)
+    {
+      return;
+    }
+    const auto f = [&](long double t) {
+      std::array<long double, 8> v = values;
+      for (int a = 0, n = 4; a < 3; ++a, n /= 2)
+      {
+        const long double p = static_cast<long double>(ray.origin[a]) + t * ray.direction[a];
+        const long double x = (p * (Coord(2) << levels_) - corner[a]) / half;
+        for (int i = 0; i < n; ++i)
+        {
+          v[i] = v[2 * i] + x * (v[2 * i + 1] - v[2 * i]);
+        }
+      }
+      return v[0];
+    };
+    constexpr int steps = 64;
+    long double before = f(t0);
+    for (int i = 0; i < steps; ++i)
+    {
+      long double a = t0 + (t1 - t0) * i / steps;
+      long double b = t0 + (t1 - t0) * (i + 1) / steps;
+      const long double after = f(b);
+      if ((before < 0.L) != (after < 0.L))
+      {
+        for (int k = 0; k < 80; ++k)
+        {
+          const long double m = 0.5L * (a + b);
+          ((f(m) < 0.L) == (before < 0.L) ? a : b) = m;
+        }
+        found.push_back(static_cast<double>(0.5L * (a + b)));
+      }
+      before = after;
+    }
+  }
+
+  double vertex(const BruteForceGTI::Vertex& v)
+  {
+    const auto known = values_.find(v);
+    return known != values_.end() ? known->second : values_[v] = *truth_.vertex(v);
+  }
+
+  std::array<int, 3> roots_;
+  BruteForceGTI truth_;
+  int levels_ = 0;
+  std::map<BruteForceGTI::Vertex, double> values_;
+};
+
+/// Rays from outside the roots' box towards a point inside.
+Ray towards(const Vec3& target, const std::array<int, 3>& roots, std::mt19937& random)
+{
+  std::normal_distribution<double> normal;
+  const Vec3 away = unit({ normal(random), normal(random), normal(random) });
+  const double distance = 1. + roots[0] + roots[1] + roots[2];
+  const Vec3 from{ target[0] + distance * away[0], target[1] + distance * away[1],
+    target[2] + distance * away[2] };
+  return { from, unit(target - from) };
+}
+
+Vec3 inside(const std::array<int, 3>& roots, std::mt19937& random)
+{
+  std::uniform_real_distribution<double> uniform(0., 1.);
+  return { roots[0] * uniform(random), roots[1] * uniform(random), roots[2] * uniform(random) };
+}
+
+bool touchesBoundary(const CellId& cell, const std::array<int, 3>& roots)
+{
+  bool touches = false;
+  for (int a = 0; a < 3; ++a)
+  {
+    touches = touches || cell.index[a] == 0 || cell.index[a] + 1 == Coord(roots[a]) << cell.level;
+  }
+  return touches;
+}
+
+} // namespace
+
+TEST(CubicRoot, IsTheFirstOneOfKnownRoots)
+{
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unitInterval(-0.5, 1.5);
+  int hits = 0;
+  for (int i = 0; i < 200000; ++i)
+  {
+    std::array<double, 3> r{ unitInterval(random), unitInterval(random), unitInterval(random) };
+    const double scale = std::pow(10., 20. * unitInterval(random));
+    const Cubic c{ -scale * r[0] * r[1] * r[2], scale * (r[0] * r[1] + r[1] * r[2] + r[0] * r[2]),
+      -scale * (r[0] + r[1] + r[2]), scale };
+    std::sort(r.begin(), r.end());
+    const auto first = std::find_if(r.begin(), r.end(), [](double x) { return x >= 0.; });
+    const bool expected = first != r.end() && *first <= 1.;
+    // Roots closer together than rounding of the coefficients allows to tell are not a test of the finder.
+    if (std::min(r[1] - r[0], r[2] - r[1]) < 1e-5 || (first != r.end() && std::abs(*first - 1.) < 1e-9))
+    {
+      continue;
+    }
+    double root;
+    ASSERT_EQ(firstRoot(c, 0., root), expected) << r[0] << ' ' << r[1] << ' ' << r[2];
+    if (expected)
+    {
+      EXPECT_NEAR(root, *first, 1e-9);
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, 50000);
+}
+
+TEST(CubicRoot, SurvivesDegenerateCubics)
+{
+  double root;
+  EXPECT_TRUE(firstRoot({ 0., 0., 0., 0. }, 0., root));
+  EXPECT_EQ(root, 0.);
+  EXPECT_FALSE(firstRoot({ 1., 0., 0., 0. }, 0., root));
+  EXPECT_TRUE(firstRoot({ -0.25, 1., 0., 0. }, 0., root));
+  EXPECT_EQ(root, 0.25);
+  EXPECT_TRUE(firstRoot({ -1., 0., 1., 0. }, 0., root)); // at the far end
+  EXPECT_EQ(root, 1.);
+  EXPECT_TRUE(firstRoot({ 0., 1., 1., 1. }, 0., root)); // at the near end
+  EXPECT_EQ(root, 0.);
+  EXPECT_TRUE(firstRoot({ 0.25, -1., 1., 0. }, 0., root)); // double root at 1/2, exactly representable
+  EXPECT_NEAR(root, 0.5, 1e-7);
+  EXPECT_TRUE(firstRoot({ -1e-300, 1e-300, 1e-300, 1e-300 }, 0., root));
+  EXPECT_GT(root, 0.5);
+}
+
+TEST(Isosurface, OfALinearFieldIsAPlane)
+{
+  // Away from the domain's edge every cell reproduces the plane; the surface stays inside.
+  const RandomTree options{ 21, { 2, 2, 2 }, 5, 0.55, 0., false };
+  auto cells = makeRandomTree(options);
+  const Vec3 normal{ 0.2, 1., 0.1 };
+  setValues(cells, [&](const auto& p) { return dot(normal, p); });
+  const RootGrid grid({ std::vector<double>{ 1e3, 1e3 + 1., 1e3 + 2. }, { 0., 1., 2. }, { 0., 1., 2. } });
+  const auto field = makeField(grid, cells);
+  const float isovalue = 1.31f;
+  const Isosurface surface(field, { isovalue });
+  EXPECT_GT(surface.statistics().octants, 100u);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> inside(0.75, 1.25);
+  for (int i = 0; i < 20000; ++i)
+  {
+    const Vec3 target{ 1e3 + inside(random), (isovalue - 0.2 * 1. - 0.1 * 1.) + 0.1 * (inside(random) - 1.),
+      inside(random) };
+    const Vec3 from{ 1e3 + 1. + 2. * (inside(random) - 1.), 8., 1. + 2. * (inside(random) - 1.) };
+    const Ray ray{ from, unit(target - from) };
+    SurfaceHit hit;
+    ASSERT_TRUE(surface.intersect(ray, 0., 100., hit));
+    const double expected = (isovalue - dot(normal, from - Vec3{ 1e3, 0., 0. })) / dot(normal, ray.direction);
+    EXPECT_NEAR(hit.t, expected, 2e-6);
+    const Vec3 n = unit(hit.gradient);
+    EXPECT_NEAR(dot(n, unit(normal)), 1., 1e-5);
+    EXPECT_FALSE(surface.intersect(ray, 0., expected - 1e-5, hit));
+  }
+}
+
+TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
+{
+  // The paper's Synthetic data (Figure 10): GTI reproduces f = xyz away from the domain's edge.
+  std::vector<LeafCell> cells;
+  for (int i = 0; i < 64; ++i)
+  {
+    const std::array<Coord, 3> root{ i & 3, i >> 2 & 3, i >> 4 };
+    for (int o = 0; o < 8 && root[0] >= 2; ++o)
+    {
+      cells.push_back(
+        { { { 2 * root[0] + (o & 1), 2 * root[1] + (o >> 1 & 1), 2 * root[2] + (o >> 2) }, 1 }, 0.f });
+    }
+    if (root[0] < 2)
+    {
+      cells.push_back({ { root, 0 }, 0.f });
+    }
+  }
+  ASSERT_EQ(cells.size(), 288u);
+  setValues(cells, [](const auto& p) { return p[0] * p[1] * p[2]; });
+  const auto field = makeField(RootGrid::uniform({ 4, 4, 4 }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
+  const Isosurface surface(field, { 6.5 });
+  const Camera camera(
+    multiply(perspective(40., 1., 30.), lookAt({ 9., 8., 7. }, { 2., 2., 2. })), identityMatrix, 300, 300);
+  HitImage hits;
+  surface.render(camera, SurfaceLayers::Nearest, hits);
+  int interior = 0;
+  for (int i = 0; i < 300 * 300; ++i)
+  {
+    if (hits.first[i] == hits.first[i + 1])
+    {
+      continue;
+    }
+    const SurfaceHit& hit = hits.hits[hits.first[i]];
+    const Vec3 p = at(camera.ray(i % 300, i / 300), hit.t);
+    if (p[0] > 0.5 && p[1] > 0.5 && p[2] > 0.5 && p[0] < 3.75 && p[1] < 3.5 && p[2] < 3.5)
+    {
+      ++interior;
+      // Distance from the surface to first order: residual over the gradient's length.
+      const Vec3 g{ p[1] * p[2], p[0] * p[2], p[0] * p[1] };
+      EXPECT_NEAR((p[0] * p[1] * p[2] - 6.5) / std::sqrt(dot(g, g)), 0., 1e-5);
+      EXPECT_NEAR(dot(unit(g), unit(hit.gradient)), 1., 1e-5);
+    }
+  }
+  EXPECT_GT(interior, 5000);
+}
+
+TEST(Isosurface, StaysExactInACellOfDepthNineteen)
+{
+  // The eye is a root's width away from a surface inside cells 2^-19 wide.
+  constexpr int depth = 19;
+  const double width = std::ldexp(1., -depth);
+  std::vector<LeafCell> cells;
+  std::array<Coord, 3> parent{ 0, 0, 0 };
+  for (int level = 1; level <= depth; ++level)
+  {
+    for (int o = 0; o < 8; ++o)
+    {
+      if (o != (level == 1 ? 0 : 7) || level == depth)
+      {
+        cells.push_back(
+          { { { 2 * parent[0] + (o & 1), 2 * parent[1] + (o >> 1 & 1), 2 * parent[2] + (o >> 2) }, level },
+            0.f });
+      }
+    }
+    const Coord bit = level == 1 ? 0 : 1;
+    parent = { 2 * parent[0] + bit, 2 * parent[1] + bit, 2 * parent[2] + bit };
+  }
+  // Linear between the centres of the eight deepest cells, below the isovalue everywhere else.
+  for (LeafCell& c : cells)
+  {
+    c.value = c.cell.level == depth ? static_cast<float>((centre(c.cell)[0] - 0.5) / width) : -3.f;
+  }
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
+  const Isosurface surface(field, { -1. }); // the plane between the last two cells
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> local(-1.4, -0.6);
+  for (int i = 0; i < 2000; ++i)
+  {
+    const Vec3 target{ 0.5 - width, 0.5 + local(random) * width, 0.5 + local(random) * width };
+    const Vec3 from{ -1., 0.5 + 3e-7 * local(random), 0.5 };
+    const Ray ray{ from, unit(target - from) };
+    SurfaceHit hit;
+    ASSERT_TRUE(surface.intersect(ray, 0., 9., hit));
+    EXPECT_NEAR(hit.t * ray.direction[0] + from[0], 0.5 - width, 1e-5 * width);
+  }
+}
+
+TEST(Isosurface, HandlesAbsentSurfacesAndBadIsovalues)
+{
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), { { {}, 0.5f } });
+  const Ray ray{ { -1., 0.4, 0.4 }, { 1., 0., 0. } };
+  SurfaceHit hit;
+  EXPECT_FALSE(Isosurface(field, { 0.75 }).intersect(ray, 0., 9., hit));
+  EXPECT_TRUE(Isosurface(field, { 0.5 }).intersect(ray, 0., 9., hit)); // flat on the isovalue: its first face
+  EXPECT_EQ(hit.t, 1.);
+  EXPECT_THROW(Isosurface(field, { NAN }), Error);
+  EXPECT_THROW(Isosurface(field, { 1., INFINITY }), Error);
+}
+
+TEST(Isosurface, HitsAreThoseOfExtendedPrecision)
+{
+  struct Values
+  {
+    double scale;
+    double offset;
+  };
+  int rays = 0;
+  for (const Values& values :
+    { Values{ 1., 0. }, { 1e30, 0. }, { 1e-30, 0. }, { 1., 1e6 }, { 1e-20, -1e-14 } })
+  {
+    for (const RandomTree& options :
+      { RandomTree{ 11, { 2, 1, 1 }, 4, 0.6, 0., false }, RandomTree{ 12, { 1, 1, 1 }, 5, 0.5, 0., false },
+        RandomTree{ 13, { 1, 1, 2 }, 4, 0.6, 0.2, false } })
+    {
+      std::vector<LeafCell> cells = makeRandomTree(options);
+      for (LeafCell& c : cells)
+      {
+        c.value = static_cast<float>(values.offset + values.scale * c.value);
+      }
+      const double isovalue = values.offset + 0.13 * values.scale;
+      const Isosurface surface(makeField(unitRoots(options.roots), cells), { isovalue });
+      ReferenceRay reference(options.roots, cells);
+      std::mt19937 random(options.seed);
+      const double width = std::ldexp(1., -options.levels);
+      std::vector<SurfaceHit> all;
+      for (int i = 0; i < 2000; ++i, ++rays)
+      {
+        const Ray ray = towards(inside(options.roots, random), options.roots, random);
+        const std::vector<double> expected = reference.crossings(ray, 20., isovalue);
+        SurfaceHit hit;
+        ASSERT_EQ(surface.intersect(ray, 0., 20., hit), !expected.empty());
+        ASSERT_EQ(surface.occluded(ray, 0., 20.), !expected.empty());
+        surface.intersectAll(ray, 0., 20., all);
+        ASSERT_EQ(all.size(), expected.size());
+        for (std::size_t k = 0; k < all.size(); ++k)
+        {
+          ASSERT_NEAR(all[k].t, expected[k], 1e-5 * width)
+            << values.offset << " " << values.scale << " " << options.seed << " " << i << " " << k << " of "
+            << all.size();
+        }
+        if (!expected.empty())
+        {
+          ASSERT_EQ(hit.t, all[0].t);
+          const double before = hit.t - 1e-3 * width;
+          ASSERT_EQ(surface.occluded(ray, 0., before), surface.intersect(ray, 0., before, hit));
+        }
+      }
+    }
+  }
+  EXPECT_EQ(rays, 30000);
+}
+
+TEST(Isosurface, NoAimedRaySlipsThrough)
+{
+  // The surface encloses the cells below the isovalue: all that touch the boundary are above it. Rays from outside
+  // end in the centre of a cell below, and pass corners, edges and faces of octants, or run along them.
+  std::uint64_t rays = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    if (options.missing > 0.)
+    {
+      continue;
+    }
+    std::vector<LeafCell> cells = makeRandomTree(options);
+    std::vector<CellId> below;
+    int levels = 0;
+    for (LeafCell& c : cells)
+    {
+      c.value = touchesBoundary(c.cell, options.roots) ? 1.f : c.value;
+      levels = std::max(levels, c.cell.level);
+      if (c.value < 0.f)
+      {
+        below.push_back(c.cell);
+      }
+    }
+    if (below.empty())
+    {
+      continue;
+    }
+    const Isosurface surface(makeField(unitRoots(options.roots), cells), { 0. });
+    std::mt19937 random(options.seed);
+    const double reach = 2. + options.roots[0] + options.roots[1] + options.roots[2];
+    for (int i = 0; i < 4000; ++i)
+    {
+      const Vec3 end = centre(below[random() % below.size()]);
+      const CellId& seam = cells[random() % cells.size()].cell;
+      Vec3 through = centre(seam);
+      const double half = std::ldexp(0.5, -seam.level);
+      for (int a = 0; a < 3; ++a)
+      {
+        // On the octants' planes, in between, or at the height of the end.
+        std::uniform_real_distribution<double> uniform(-1., 1.);
+        const unsigned kind = random() % 5;
+        through[a] += kind < 3 ? half * (static_cast<int>(kind) - 1)
+          : kind == 3          ? half * uniform(random)
+                               : 0.;
+        through[a] = kind == 4 ? end[a] : through[a];
+      }
+      if (through == end)
+      {
+        continue;
+      }
+      const Vec3 away = unit(through - end);
+      const Ray ray{ { end[0] + reach * away[0], end[1] + reach * away[1], end[2] + reach * away[2] },
+        { -away[0], -away[1], -away[2] } };
+      SurfaceHit hit;
+      ASSERT_TRUE(surface.intersect(ray, 0., reach, hit)) << "seed " << options.seed << ", ray " << i;
+      ASSERT_TRUE(surface.occluded(ray, 0., reach));
+      ++rays;
+    }
+  }
+  EXPECT_GT(rays, 60000u);
+}
+
+TEST(Isosurface, SeveralIsovaluesAreTheirSurfacesTogether)
+{
+  const RandomTree options{ 5, { 1, 2, 1 }, 4, 0.6, 0.1, false };
+  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  const Isosurface both(field, { 0.3, -0.2, 0.3 });
+  ASSERT_EQ(both.isovalues(), (std::vector<double>{ -0.2, 0.3 }));
+  const Isosurface low(field, { -0.2 });
+  const Isosurface high(field, { 0.3 }, 0); // keeps no values
+  EXPECT_EQ(high.statistics().keptBytes, 0u);
+  std::mt19937 random(5);
+  int hits = 0;
+  for (int i = 0; i < 20000; ++i)
+  {
+    const Ray ray = towards(inside(options.roots, random), options.roots, random);
+    std::vector<SurfaceHit> all;
+    std::vector<SurfaceHit> expected;
+    std::vector<SurfaceHit> ofHigh;
+    both.intersectAll(ray, 0., 20., all);
+    low.intersectAll(ray, 0., 20., expected);
+    high.intersectAll(ray, 0., 20., ofHigh);
+    for (SurfaceHit& hit : ofHigh)
+    {
+      hit.surface = 1;
+      expected.push_back(hit);
+    }
+    std::stable_sort(
+      expected.begin(), expected.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+    ASSERT_EQ(all.size(), expected.size());
+    for (std::size_t k = 0; k < all.size(); ++k)
+    {
+      EXPECT_EQ(all[k].t, expected[k].t);
+      EXPECT_EQ(all[k].surface, expected[k].surface);
+      EXPECT_EQ(all[k].gradient, expected[k].gradient);
+    }
+    hits += static_cast<int>(all.size());
+  }
+  EXPECT_GT(hits, 20000);
+}
+
+TEST(Isosurface, KnowsTheCellsOfItsHits)
+{
+  const RandomTree options{ 6, { 2, 1, 1 }, 4, 0.6, 0.1, false };
+  const std::vector<LeafCell> cells = makeRandomTree(options);
+  const auto field = makeField(unitRoots(options.roots), cells);
+  const BruteForceGTI truth(options.roots, cells);
+  const Isosurface surface(field, { 0.1 });
+  std::mt19937 random(6);
+  int hits = 0;
+  for (int i = 0; i < 5000; ++i)
+  {
+    const Ray ray = towards(inside(options.roots, random), options.roots, random);
+    SurfaceHit hit;
+    if (surface.intersect(ray, 0., 20., hit))
+    {
+      const CellId* leaf = truth.leafAt(at(ray, hit.t));
+      ASSERT_TRUE(leaf);
+      EXPECT_EQ(surface.leafWidth(hit), std::ldexp(1., -leaf->level));
+      EXPECT_EQ(field->leafValues()[surface.leaf(hit)], *truth.cellValue(leaf->level, leaf->index));
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, 2000);
+}
