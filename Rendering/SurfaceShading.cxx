@@ -28,18 +28,28 @@ void forEachPixel(std::size_t pixels, const Body& body)
   });
 }
 
-/// The pixels with a hit, ascending.
-std::vector<std::size_t> hitPixels(const HitImage& hits)
+Ray rayOf(const Camera& camera, std::size_t pixel)
 {
-  std::vector<std::size_t> pixels;
-  for (std::size_t i = 0; i < hits.hit.size(); ++i)
-  {
-    if (hits.hit[i])
+  return camera.ray(static_cast<int>(pixel % camera.width()), static_cast<int>(pixel / camera.width()));
+}
+
+Vec3 pointAt(const Ray& ray, double t)
+{
+  return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
+    ray.origin[2] + t * ray.direction[2] };
+}
+
+/// Calls body(pixel, hit, index of the hit) for the nearest hit of every pixel that has one.
+template <class Body>
+void forEachNearest(const HitImage& hits, const Body& body)
+{
+  forEachPixel(hits.first.size() - 1, [&](std::size_t pixel) {
+    const std::size_t first = hits.first[pixel];
+    if (first < hits.first[pixel + 1])
     {
-      pixels.push_back(i);
+      body(pixel, hits.hits[first], first);
     }
-  }
-  return pixels;
+  });
 }
 
 Vec3 transformPoint(const Matrix4& m, const Vec3& p)
@@ -108,14 +118,27 @@ private:
 
 } // namespace
 
-std::vector<float> valuesAtHits(const std::shared_ptr<const Field>& field, const HitImage& hits)
+std::vector<std::size_t> pixelsOfHits(const HitImage& hits)
+{
+  std::vector<std::size_t> pixels(hits.hits.size());
+  forEachPixel(hits.first.size() - 1, [&](std::size_t pixel) {
+    for (std::size_t i = hits.first[pixel]; i < hits.first[pixel + 1]; ++i)
+    {
+      pixels[i] = pixel;
+    }
+  });
+  return pixels;
+}
+
+std::vector<float> valuesAtHits(
+  const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits)
 {
   const std::unique_ptr<Sampler> sampler = Sampler::create(InterpolationMethod::GTI, field);
   const Bounds domain = field->octree().grid().bounds();
-  const std::vector<std::size_t> pixels = hitPixels(hits);
+  const std::vector<std::size_t> pixels = pixelsOfHits(hits);
   std::vector<float> values(pixels.size(), std::numeric_limits<float>::quiet_NaN());
   forEachPixel(pixels.size(), [&](std::size_t i) {
-    Vec3 point = hits.point[pixels[i]];
+    Vec3 point = pointAt(rayOf(camera, pixels[i]), hits.hits[i].t);
     for (int a = 0; a < 3; ++a)
     {
       // A hit on the domain's surface may be rounded to its outside.
@@ -134,57 +157,55 @@ void shadeHits(const HitImage& hits, const Camera& camera, const Matrix4& worldF
   const SurfaceAppearance& appearance, const unsigned char* colors, vtkTreeAMRSurfaceImage& image)
 {
   const GradientTransform gradientTransform(worldFromData);
-  const std::vector<std::size_t> pixels = hitPixels(hits);
-  image.Depth = hits.depth;
-  image.RGBA.assign(4 * hits.hit.size(), 0.f);
-  forEachPixel(pixels.size(), [&](std::size_t i) {
-    const std::size_t pixel = pixels[i];
-    const auto x = static_cast<int>(pixel % camera.width());
-    const auto y = static_cast<int>(pixel / camera.width());
-    const Vec3 away = normalized(transformVector(worldFromData, camera.ray(x, y).direction));
+  image.Depth.assign(hits.first.size() - 1, 1.f);
+  image.RGBA.assign(4 * image.Depth.size(), 0.f);
+  forEachNearest(hits, [&](std::size_t pixel, const SurfaceHit& hit, std::size_t index) {
+    const Ray ray = rayOf(camera, pixel);
+    const Vec3 away = normalized(transformVector(worldFromData, ray.direction));
     const Vec3 toEye{ -away[0], -away[1], -away[2] };
     Material material = appearance.material;
     if (colors)
     {
       for (int c = 0; c < 3; ++c)
       {
-        const float channel = colors[4 * i + c] / 255.f;
+        const float channel = colors[4 * index + c] / 255.f;
         material.ambient[c] = appearance.ambientOfColors * channel;
         material.diffuse[c] = appearance.diffuseOfColors * channel;
       }
     }
     const std::array<float, 3> rgb =
-      shade(material, appearance.lights, transformPoint(worldFromData, hits.point[pixel]),
-        gradientTransform.normal(hits.gradient[pixel], toEye), toEye);
+      shade(material, appearance.lights, transformPoint(worldFromData, pointAt(ray, hit.t)),
+        gradientTransform.normal(hit.gradient, toEye), toEye);
     std::copy(rgb.begin(), rgb.end(), &image.RGBA[4 * pixel]);
     image.RGBA[4 * pixel + 3] = appearance.opacity;
+    image.Depth[pixel] = static_cast<float>(camera.depthFromT(ray, hit.t));
   });
 }
 
-void fillHits(const HitImage& hits, const float rgb[3], vtkTreeAMRSurfaceImage& image)
+void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image)
 {
-  image.Depth = hits.depth;
-  image.RGBA.assign(4 * hits.hit.size(), 0.f);
-  for (const std::size_t pixel : hitPixels(hits))
-  {
+  image.Depth.assign(hits.first.size() - 1, 1.f);
+  image.RGBA.assign(4 * image.Depth.size(), 0.f);
+  forEachNearest(hits, [&](std::size_t pixel, const SurfaceHit& hit, std::size_t) {
     std::copy(rgb, rgb + 3, &image.RGBA[4 * pixel]);
     image.RGBA[4 * pixel + 3] = 1.f;
-  }
+    image.Depth[pixel] = static_cast<float>(camera.depthFromT(rayOf(camera, pixel), hit.t));
+  });
 }
 
-void placeHits(const HitImage& hits, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image)
+void placeHits(
+  const HitImage& hits, const Camera& camera, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image)
 {
   const GradientTransform gradientTransform(viewFromData);
-  image.Position.assign(3 * hits.hit.size(), 0.f);
-  image.Normal.assign(3 * hits.hit.size(), 0.f);
-  for (const std::size_t pixel : hitPixels(hits))
-  {
-    const Vec3 position = transformPoint(viewFromData, hits.point[pixel]);
+  image.Position.assign(3 * (hits.first.size() - 1), 0.f);
+  image.Normal.assign(image.Position.size(), 0.f);
+  forEachNearest(hits, [&](std::size_t pixel, const SurfaceHit& hit, std::size_t) {
+    const Vec3 position = transformPoint(viewFromData, pointAt(rayOf(camera, pixel), hit.t));
     // The eye is at the origin and looks along -z, in parallel projection from infinity.
-    const Vec3 normal = gradientTransform.normal(hits.gradient[pixel], { 0., 0., 1. });
+    const Vec3 normal = gradientTransform.normal(hit.gradient, { 0., 0., 1. });
     std::copy(position.begin(), position.end(), &image.Position[3 * pixel]);
     std::copy(normal.begin(), normal.end(), &image.Normal[3 * pixel]);
-  }
+  });
 }
 
 } // namespace treeamr

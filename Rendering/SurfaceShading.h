@@ -25,18 +25,23 @@ struct SurfaceAppearance
   float diffuseOfColors = 1.f;
 };
 
-/// Values of a field at the hits, one per hit pixel in the order of the pixels; NaN where it has no cell.
-std::vector<float> valuesAtHits(const std::shared_ptr<const Field>& field, const HitImage& hits);
+/// The hits' pixels x + width * y, in the order of the hits.
+std::vector<std::size_t> pixelsOfHits(const HitImage& hits);
 
-/// Lights the hits in world coordinates. colors: RGBA of each hit pixel in the order of the pixels, or null.
-/// Fills RGBA and Depth of the image.
+/// Values of a field at the hits; NaN where it has no cell.
+std::vector<float> valuesAtHits(
+  const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits);
+
+/// Lights the nearest hits in world coordinates. colors: RGBA of each hit, or null. Fills RGBA and Depth of the
+/// image.
 void shadeHits(const HitImage& hits, const Camera& camera, const Matrix4& worldFromData,
   const SurfaceAppearance& appearance, const unsigned char* colors, vtkTreeAMRSurfaceImage& image);
 
 /// One colour without lighting, for hardware selection.
-void fillHits(const HitImage& hits, const float rgb[3], vtkTreeAMRSurfaceImage& image);
+void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image);
 
 /// Fills Position and Normal of the image.
-void placeHits(const HitImage& hits, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image);
+void placeHits(
+  const HitImage& hits, const Camera& camera, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image);
 
 } // namespace treeamr

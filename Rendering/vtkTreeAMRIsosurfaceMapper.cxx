@@ -122,7 +122,7 @@ double* vtkTreeAMRIsosurfaceMapper::GetBounds()
 //------------------------------------------------------------------------------
 vtkIdType vtkTreeAMRIsosurfaceMapper::GetNumberOfPrimitives()
 {
-  return this->Private->Surface ? static_cast<vtkIdType>(this->Private->Surface->primitiveCount()) : 0;
+  return this->Private->Surface ? static_cast<vtkIdType>(this->Private->Surface->statistics().octants) : 0;
 }
 
 //------------------------------------------------------------------------------
@@ -155,10 +155,10 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
 
   Internals& internals = *this->Private;
   const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured, true);
-  const auto isovalue = static_cast<float>(this->Isovalue);
-  if (!internals.Surface || internals.Field != field || internals.Surface->isovalue() != isovalue)
+  if (!internals.Surface || internals.Field != field ||
+    internals.Surface->isovalues().front() != this->Isovalue)
   {
-    internals.Surface = std::make_unique<treeamr::Isosurface>(field, isovalue);
+    internals.Surface = std::make_unique<treeamr::Isosurface>(field, std::vector<double>{ this->Isovalue });
     internals.Field = field;
     internals.SurfaceTime.Modified();
   }
@@ -184,7 +184,7 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(vtkRenderer* renderer, vtkActor* act
   internals.WorldFromData = worldFromData;
   const treeamr::Camera camera(
     clipFromData, worldFromData, internals.Viewport.Width, internals.Viewport.Height);
-  internals.Surface->render(camera, internals.Hits);
+  internals.Surface->render(camera, treeamr::SurfaceLayers::Nearest, internals.Hits);
   internals.SurfaceTimeOfHits = internals.SurfaceTime.GetMTime();
   internals.Camera = camera;
 }
@@ -237,12 +237,15 @@ vtkSmartPointer<vtkUnsignedCharArray> vtkTreeAMRIsosurfaceMapper::Internals::Map
   std::vector<float> values;
   if (selection.name == this->Contoured.name && selection.component == this->Contoured.component)
   {
-    const auto count = std::count(this->Hits.hit.begin(), this->Hits.hit.end(), std::uint8_t(1));
-    values.assign(static_cast<std::size_t>(count), this->Surface->isovalue());
+    for (const treeamr::SurfaceHit& hit : this->Hits.hits)
+    {
+      values.push_back(static_cast<float>(this->Surface->isovalues()[hit.surface]));
+    }
   }
   else
   {
-    values = treeamr::valuesAtHits(this->ColorSlot.acquire(grid, selection, false), this->Hits);
+    values =
+      treeamr::valuesAtHits(this->ColorSlot.acquire(grid, selection, false), *this->Camera, this->Hits);
   }
   vtkNew<vtkFloatArray> scalars;
   scalars->SetArray(values.data(), static_cast<vtkIdType>(values.size()), 1); // 1: stays ours
@@ -264,7 +267,7 @@ void vtkTreeAMRIsosurfaceMapper::Internals::PlaceForAmbientOcclusion(vtkRenderer
     vtkNew<vtkMatrix4x4> matrix;
     actor->GetMatrix(matrix);
     vtkMatrix4x4::Multiply4x4(renderer->GetActiveCamera()->GetViewTransformMatrix(), matrix, matrix);
-    treeamr::placeHits(this->Hits, treeamr::convertMatrix(matrix), this->Image);
+    treeamr::placeHits(this->Hits, *this->Camera, treeamr::convertMatrix(matrix), this->Image);
   }
 }
 
@@ -333,7 +336,7 @@ void vtkTreeAMRIsosurfaceMapper::Select(vtkRenderer* renderer, vtkActor* actor)
     default:
       break;
   }
-  treeamr::fillHits(internals.Hits, color, internals.Image);
+  treeamr::fillHits(internals.Hits, *internals.Camera, color, internals.Image);
   internals.Framebuffer.DrawSurface(renderer, actor, this, internals.Viewport, internals.Image);
 }
 
