@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <utility>
 
 namespace treeamr
 {
@@ -46,52 +45,39 @@ void forEachVertex(const BlockVertexMask& mask, const F& f)
   }
 }
 
-/// The cells around a vertex.
+/// Places of a level: see BlockEvaluator::Level.
+constexpr int placeIndex(int x, int y, int z)
+{
+  return x + 4 * y + 16 * z;
+}
+
+/// Their children.
+constexpr int childIndex(int x, int y, int z)
+{
+  return x + 8 * y + 64 * z;
+}
+
+/// Along each axis place 0 is the upper child of the lower neighbour, 1 and 2 are the children of the node itself,
+/// 3 is the lower child of the upper neighbour. Vertex v lies between the children v + 1 and v + 2 of places.
 struct BlockVertex
 {
-  unsigned axes = 0;                      // mask of those along which it lies between cells
-  std::array<std::uint8_t, 8> slot{};     // as many as 2^axes
-  std::array<std::uint8_t, 8> touching{}; // their children that touch it, should they be refined
-  std::array<std::uint16_t, 8> child{};   // the same as slot * 8 + octant, slot by slot: always eight
-  std::uint64_t slots = 0;                // mask
-  // On the lattice of the next coarser level it is the mean of one, two or four vertices: these, counted from the
-  // node's lower corner, the first again where there are fewer, with weight 0.
-  std::array<std::uint8_t, 4> coarser{};
-  std::array<double, 4> coarserWeight{};
-};
-
-/// The slots that a node of the neighbourhood covers, and which of its children they are.
-struct BlockEntry
-{
-  std::uint8_t count = 0;
-  std::array<std::uint8_t, 8> slot{};
-  std::array<std::uint8_t, 8> octant{};
-  std::uint64_t slots = 0; // mask
+  std::uint8_t place = 0;   // first of those around it,
+  std::uint64_t places = 0; // mask of all
+  std::uint16_t child = 0;  // first of the eight around it
+  std::uint8_t coarser =
+    0; // on the lattice of the next coarser level, from the node's lower corner: the first of
+       // the one, two or four that it lies between
 };
 
 struct BlockTables
 {
   std::array<BlockVertex, 125> vertex{};
-  std::array<BlockVertexMask, 8> verticesOfAxes{}; // those that lie between cells along these axes alone
-  std::array<BlockVertexMask, 64> verticesOfSlot{};
-  std::array<std::uint8_t, 64> childrenOfSlot{}; // that touch any vertex
-  std::array<BlockVertexMask, 8> verticesOfChild{};
-  std::array<BlockEntry, 27> entry{};
-  // By a child's octant: the slots of the node's own children's size that are its neighbourhood.
-  std::array<std::array<std::uint8_t, 27>, 8> slotOfEntry{};
-  std::array<std::uint64_t, 64> slotsBeside{}; // that share a vertex of the block with a slot
-  // Vertices of the node itself that touch an entry, on the lattice of its parent's children, counted from the
-  // node's lower corner: all in the first word.
-  std::array<std::uint64_t, 27> nodeVerticesOfEntry{};
+  std::array<BlockVertexMask, 8> verticesOfAxes{}; // those that lie between places along these axes alone
+  std::array<std::uint8_t, 64> childrenOfPlace{};  // that touch any vertex
+  // Vertices of a plane that touch places of its first two rows, and of the other two, by their mask.
+  std::array<std::array<std::uint32_t, 256>, 2> verticesOfRows{};
 };
 
-constexpr int slotIndex(int x, int y, int z)
-{
-  return x + 4 * y + 16 * z;
-}
-
-/// The slot of a node's child: along each axis slot 0 is the upper child of the lower neighbour, 1 and 2 are
-/// the children of the node itself, 3 is the lower child of the upper neighbour.
 constexpr BlockTables makeTables()
 {
   BlockTables t{};
@@ -99,109 +85,37 @@ constexpr BlockTables makeTables()
   {
     const std::array<int, 3> at{ v % 5, v / 5 % 5, v / 25 };
     BlockVertex& b = t.vertex[v];
-    std::array<int, 3> axes{};
-    int dimensions = 0;
+    unsigned axes = 0;
     for (int a = 0; a < 3; ++a)
     {
-      if (at[a] % 2 == 0)
-      {
-        axes[dimensions++] = a;
-        b.axes |= 1u << a;
-      }
+      axes |= static_cast<unsigned>(at[a] % 2 == 0) << a;
     }
-    int children = 0;
-    int coarserCount = 0;
+    add(t.verticesOfAxes[axes], v);
+    b.place = static_cast<std::uint8_t>(placeIndex((at[0] + 1) / 2, (at[1] + 1) / 2, (at[2] + 1) / 2));
+    b.child = static_cast<std::uint16_t>(childIndex(at[0] + 1, at[1] + 1, at[2] + 1));
+    b.coarser = static_cast<std::uint8_t>(at[0] / 2 + 5 * (at[1] / 2) + 25 * (at[2] / 2));
     for (int corner = 0; corner < 8; ++corner)
     {
-      bool distinct = true;
-      int coarser = 0;
-      for (int a = 2; a >= 0; --a)
-      {
-        const int upper = corner >> a & 1;
-        distinct = distinct && (upper == 0 || at[a] % 2 != 0);
-        coarser = 5 * coarser + at[a] / 2 + upper;
-      }
-      // The middle of a child hangs on nothing.
-      if (distinct && coarserCount < 4)
-      {
-        b.coarser[coarserCount++] = static_cast<std::uint8_t>(coarser);
-      }
-    }
-    for (int i = 0; i < 4; ++i)
-    {
-      b.coarserWeight[i] = i < coarserCount ? 1. / coarserCount : 0.;
-      b.coarser[i] = i < coarserCount ? b.coarser[i] : b.coarser[0];
-    }
-    add(t.verticesOfAxes[b.axes], v);
-    for (int s = 0; s < 1 << dimensions; ++s)
-    {
-      std::array<int, 3> place{ (at[0] + 1) / 2, (at[1] + 1) / 2, (at[2] + 1) / 2 };
-      std::array<int, 3> side{ -1, -1, -1 };
-      for (int d = 0; d < dimensions; ++d)
-      {
-        side[axes[d]] = s >> d & 1;
-        place[axes[d]] = at[axes[d]] / 2 + side[axes[d]];
-      }
-      const int slot = slotIndex(place[0], place[1], place[2]);
-      b.slot[s] = static_cast<std::uint8_t>(slot);
-      b.slots |= std::uint64_t(1) << slot;
-      add(t.verticesOfSlot[slot], v);
-      for (int o = 0; o < 8; ++o)
-      {
-        bool touches = true;
-        for (int a = 0; a < 3; ++a)
-        {
-          touches = touches && (side[a] < 0 || (o >> a & 1) != side[a]);
-        }
-        if (touches)
-        {
-          b.touching[s] |= static_cast<std::uint8_t>(1u << o);
-          t.childrenOfSlot[slot] |= static_cast<std::uint8_t>(1u << o);
-          b.child[children++] = static_cast<std::uint16_t>(8 * slot + o);
-        }
-      }
+      const std::array<int, 3> child{ at[0] + 1 + (corner & 1), at[1] + 1 + (corner >> 1 & 1),
+        at[2] + 1 + (corner >> 2) };
+      const int place = placeIndex(child[0] / 2, child[1] / 2, child[2] / 2);
+      b.places |= std::uint64_t(1) << place;
+      t.childrenOfPlace[place] |=
+        static_cast<std::uint8_t>(1u << ((child[0] & 1) | (child[1] & 1) << 1 | (child[2] & 1) << 2));
     }
   }
-  for (const BlockVertex& b : t.vertex)
+  for (unsigned rows = 0; rows < 256; ++rows)
   {
-    for (int s = 0; s < 1 << std::popcount(b.axes); ++s)
+    for (int v = 0; v < 25; ++v)
     {
-      t.slotsBeside[b.slot[s]] |= b.slots;
-    }
-  }
-  for (int slot = 0; slot < 64; ++slot)
-  {
-    const std::array<int, 3> at{ slot & 3, slot >> 2 & 3, slot >> 4 };
-    BlockEntry& e = t.entry[(at[0] + 1) / 2 + 3 * ((at[1] + 1) / 2) + 9 * ((at[2] + 1) / 2)];
-    e.octant[e.count] = static_cast<std::uint8_t>((~at[0] & 1) | (~at[1] & 1) << 1 | (~at[2] & 1) << 2);
-    e.slot[e.count++] = static_cast<std::uint8_t>(slot);
-    e.slots |= std::uint64_t(1) << slot;
-  }
-  for (int o = 0; o < 8; ++o)
-  {
-    for (int e = 0; e < 27; ++e)
-    {
-      t.slotOfEntry[o][e] =
-        static_cast<std::uint8_t>(slotIndex((o & 1) + e % 3, (o >> 1 & 1) + e / 3 % 3, (o >> 2) + e / 9));
-    }
-  }
-  for (int e = 0; e < 27; ++e)
-  {
-    const std::array<int, 3> entry{ e % 3, e / 3 % 3, e / 9 };
-    for (int v = 0; v < 27; ++v)
-    {
-      const std::array<int, 3> at{ v % 3, v / 3 % 3, v / 9 };
-      bool touches = true;
-      for (int a = 0; a < 3; ++a)
+      for (int half = 0; half < 2; ++half)
       {
-        touches = touches && (entry[a] == 1 || at[a] == entry[a]);
+        // In the middle of a plane of places.
+        const std::uint64_t touched = t.vertex[v + 25].places >> 16 & 0xffff;
+        const bool touches = (touched >> 8 * half & rows) != 0;
+        t.verticesOfRows[half][rows] |= static_cast<std::uint32_t>(touches) << v;
       }
-      t.nodeVerticesOfEntry[e] |= static_cast<std::uint64_t>(touches) << (at[0] + 5 * at[1] + 25 * at[2]);
     }
-  }
-  for (int o = 0; o < 8; ++o)
-  {
-    t.verticesOfChild[o] = t.verticesOfSlot[slotIndex(1 + (o & 1), 1 + (o >> 1 & 1), 1 + (o >> 2))];
   }
   return t;
 }
@@ -242,24 +156,105 @@ void forAxes(unsigned axes, const F& f) noexcept
   }
 }
 
-BlockVertexMask verticesOf(unsigned children) noexcept
+BlockVertexMask verticesTouching(std::uint64_t places) noexcept
 {
-  BlockVertexMask mask{};
-  for (; children != 0; children &= children - 1)
+  std::array<std::uint64_t, 4> plane;
+  for (int z = 0; z < 4; ++z)
   {
-    add(mask, tables.verticesOfChild[std::countr_zero(children)]);
+    plane[z] = tables.verticesOfRows[0][places >> 16 * z & 0xff] |
+      tables.verticesOfRows[1][places >> (16 * z + 8) & 0xff];
   }
-  return mask;
+  const std::uint64_t middle = plane[1] | plane[2];
+  return { (plane[0] | plane[1]) | plane[1] << 25 | middle << 50,
+    middle >> 14 | plane[2] << 11 | (plane[2] | plane[3]) << 36 };
 }
 
-BlockVertexMask verticesTouching(std::uint64_t slots) noexcept
+/// Of a node's children.
+BlockVertexMask verticesOf(unsigned children) noexcept
 {
-  BlockVertexMask mask{};
-  for (; slots != 0; slots &= slots - 1)
+  const std::uint64_t places = (children & 3) | (children & 12) << 2 |
+    static_cast<std::uint64_t>((children & 48) | (children & 192) << 2) << 12;
+  return verticesTouching(places << placeIndex(1, 1, 1));
+}
+
+/// The places and those that share a vertex of the block with one.
+std::uint64_t withNeighbours(std::uint64_t places) noexcept
+{
+  constexpr std::uint64_t lowerX = 0x7777777777777777;
+  constexpr std::uint64_t lowerY = 0x0fff0fff0fff0fff;
+  places |= (places & lowerX) << 1 | (places >> 1 & lowerX);
+  places |= (places & lowerY) << 4 | (places >> 4 & lowerY);
+  return places | places << 16 | places >> 16;
+}
+
+/// A child's place 0 as a place of its parent's level: its neighbourhood's first entry.
+constexpr int firstEntry(int octant)
+{
+  return placeIndex(octant & 1, octant >> 1 & 1, octant >> 2);
+}
+
+/// The 3 x 3 x 3 places that are the neighbourhood of a child.
+std::uint64_t entriesOf(std::uint64_t places, int octant) noexcept
+{
+  return places >> firstEntry(octant) & 0x077707770777;
+}
+
+/// The places of a node's level that the entries of its neighbourhood cover.
+std::uint64_t placesOf(std::uint64_t entries) noexcept
+{
+  const std::uint64_t x = (entries & 0x033303330333) | (entries & 0x066606660666) << 1;
+  const std::uint64_t xy = (x & 0x00ff00ff00ff) | (x & 0x0ff00ff00ff0) << 4;
+  return (xy & 0xffffffff) | (xy & 0xffffffff0000) << 16;
+}
+
+/// Vertices of the node itself that touch entries of its neighbourhood, on the lattice of its parent's level, counted
+/// from the node's lower corner.
+std::uint64_t nodeVerticesOf(std::uint64_t entries) noexcept
+{
+  std::uint64_t middle = entries & 0x022202220222;
+  entries |= middle << 1 | middle >> 1;
+  middle = entries & 0x00f000f000f0;
+  entries |= middle << 4 | middle >> 4;
+  middle = entries & 0xffff0000;
+  entries |= middle << 16 | middle >> 16;
+  const std::uint64_t rows =
+    (entries & 0x000700070007) | (entries & 0x007000700070) << 1 | (entries & 0x070007000700) << 2;
+  return (rows & 0xffff) | (rows & 0xffff0000) << 9 | (rows & 0xffff00000000) << 18;
+}
+
+/// First of the children of a level's places that are the places of a child's level.
+constexpr int firstPlace(int octant)
+{
+  return childIndex(1 + 2 * (octant & 1), 1 + 2 * (octant >> 1 & 1), 1 + 2 * (octant >> 2));
+}
+
+/// From masks of a level's children those of a child's places.
+std::uint64_t placesOf(const std::array<std::uint64_t, 8>& children, int octant) noexcept
+{
+  const int first = firstPlace(octant);
+  std::uint64_t places = 0;
+  for (int z = 0; z < 4; ++z)
   {
-    add(mask, tables.verticesOfSlot[std::countr_zero(slots)]);
+    std::uint64_t rows = children[(first >> 6) + z] >> (first & 63) & 0x0f0f0f0f;
+    rows = (rows | rows >> 4) & 0x00ff00ff;
+    places |= ((rows | rows >> 8) & 0xffff) << 16 * z;
   }
-  return mask;
+  return places;
+}
+
+/// First child of a place.
+constexpr int firstChild(int place)
+{
+  return childIndex(2 * (place & 3), 2 * (place >> 2 & 3), 2 * (place >> 4));
+}
+
+/// Adds a mask of a place's children to those of a level.
+void addChildren(std::array<std::uint64_t, 8>& masks, int place, unsigned children) noexcept
+{
+  const int first = firstChild(place);
+  const auto rows = [&](std::uint64_t four) { return ((four & 3) | (four & 12) << 6) << (first & 63); };
+  masks[first >> 6] |= rows(children & 15);
+  masks[(first >> 6) + 1] |= rows(children >> 4);
 }
 
 /// Of the cells around a vertex, in their order, from a mask of slots that starts at the first of them.
@@ -303,21 +298,36 @@ const double* weightsOf(unsigned refined) noexcept
   }
 }
 
-/// A vertex between leaves and refined nodes of one level. Leaves have eight equal children here.
+/// Corner `part` of those along the axes of a mask, as a step among a level's children.
+constexpr int stepAlong(unsigned axes, int part)
+{
+  int step = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (axes >> a & 1)
+    {
+      step += (part & 1) << 3 * a;
+      part >>= 1;
+    }
+  }
+  return step;
+}
+
+/// A vertex between leaves and refined nodes of one level.
 template <unsigned Axes, class Level>
 double onLattice(const Level& level, const BlockVertex& b) noexcept
 {
   constexpr int count = 1 << std::popcount(Axes);
   constexpr int children = 8 / count;
-  const double* values = level.childValue[0].data();
-  const double* weights = weightsOf<Axes>(aroundVertex<Axes>(level.refined >> b.slot[0]));
+  const double* values = level.childValue.data() + b.child;
+  const double* weights = weightsOf<Axes>(aroundVertex<Axes>(level.refined >> b.place));
   double sum = 0.;
   for (int s = 0; s < count; ++s)
   {
     double data = 0.;
     for (int c = 0; c < children; ++c)
     {
-      data += values[b.child[children * s + c]];
+      data += values[stepAlong(Axes, s) + stepAlong(~Axes, c)];
     }
     sum += weights[s] * (data / children);
   }
@@ -330,23 +340,27 @@ double onSparseLattice(const Level& level, const BlockVertex& b) noexcept
 {
   constexpr int count = 1 << std::popcount(Axes);
   std::array<double, count> data{};
+  const unsigned refinedAround = aroundVertex<Axes>(level.refined >> b.place);
   unsigned present = 0;
   unsigned refined = 0;
   for (int s = 0; s < count; ++s)
   {
-    const int slot = b.slot[s];
-    const unsigned touching = b.touching[s] & level.childExists[slot];
-    if (touching == 0)
+    int touching = 0;
+    for (int c = 0; c < 8 / count; ++c)
     {
-      continue;
+      const int child = b.child + stepAlong(Axes, s) + stepAlong(~Axes, c);
+      if (!(level.childNone[child >> 6] >> (child & 63) & 1))
+      {
+        data[s] += level.childValue[child];
+        ++touching;
+      }
     }
-    for (unsigned rest = touching; rest != 0; rest &= rest - 1)
+    if (touching != 0)
     {
-      data[s] += level.childValue[slot][std::countr_zero(rest)];
+      data[s] /= touching;
+      present |= 1u << s;
+      refined |= refinedAround & 1u << s;
     }
-    data[s] /= std::popcount(touching);
-    present |= 1u << s;
-    refined |= static_cast<unsigned>(level.refined >> slot & 1) << s;
   }
   const double* weights = weightsOf<Axes>(refined);
   double sum = 0.;
@@ -360,6 +374,20 @@ double onSparseLattice(const Level& level, const BlockVertex& b) noexcept
     }
   }
   return present == (1u << count) - 1 ? sum : sum / total;
+}
+
+/// A vertex that hangs between those of the next coarser level: halfway along the axes that are not in the mask.
+template <unsigned Axes>
+double halfway(const double* coarser) noexcept
+{
+  constexpr int count = 8 >> std::popcount(Axes);
+  double sum = 0.;
+  for (int corner = 0; corner < count; ++corner)
+  {
+    const int step = stepAlong(~Axes, corner);
+    sum += coarser[(step & 1) + 5 * (step >> 3 & 1) + 25 * (step >> 6)];
+  }
+  return sum / count;
 }
 
 std::array<float, 125> rounded(const std::array<double, 125>& values) noexcept
@@ -395,162 +423,128 @@ Range hull(const std::array<float, 125>& values) noexcept
 template <unsigned Axes, class Level>
 double latticeValue(const Level& level, const BlockVertex& b) noexcept
 {
-  return (b.slots & level.missing) == 0 ? onLattice<Axes>(level, b) : onSparseLattice<Axes>(level, b);
+  return (b.places & level.missing) == 0 ? onLattice<Axes>(level, b) : onSparseLattice<Axes>(level, b);
 }
 
 } // namespace
 
-void BlockEvaluator::gather(
-  const BlockPath& path, int depth, const Level* parent, Level& level) const noexcept
+/// The root as the only child of what is above it.
+void BlockEvaluator::startAboveRoot() noexcept
 {
-  const bool byMeans = &level == &byMeans_;
-  const float* leaves = field_.leafValues().data();
-  level.node = path.node[depth];
-  level.refined = level.coarse = level.none = 0;
-  level.coarseEntries = 0;
-  level.coarsest = depth;
-  level.known = {};
-  level.hasChildValues = level.hasLeaves = false;
-  const auto gatherLeaf = [&](const BlockEntry& part, std::size_t entry, int leafDepth, double value) {
-    level.coarse |= part.slots;
-    level.coarseEntries |= 1u << entry;
-    level.coarsest = std::min(level.coarsest, leafDepth);
-    for (int i = 0; i < part.count; ++i)
-    {
-      level.value[part.slot[i]] = value;
-      level.depth[part.slot[i]] = static_cast<std::uint8_t>(leafDepth);
-    }
-  };
-  const auto gatherInner = [&]<std::size_t Entry>(const Octree::Children& children) {
-    constexpr BlockEntry part = tables.entry[Entry];
-    if (children.allLeaves())
-    {
-      const float* values = leaves + children.firstLeaf;
-      for (int i = 0; i < part.count; ++i)
-      {
-        level.value[part.slot[i]] = values[part.octant[i]];
-      }
-      return;
-    }
-    for (int i = 0; i < part.count; ++i)
-    {
-      const int slot = part.slot[i];
-      const int octant = part.octant[i];
-      const unsigned bit = 1u << octant;
-      if (children.leaf & bit)
-      {
-        level.value[slot] = leaves[children.leafIndex(octant)];
-        continue;
-      }
-      level.value[slot] = 0.;
-      if (!(children.exists & bit))
-      {
-        level.none |= std::uint64_t(1) << slot;
-        continue;
-      }
-      const std::uint64_t inner = children.innerIndex(octant);
-      level.value[slot] = field_.value({ NodeKind::Inner, 0, inner });
-      if (!byMeans)
-      {
-        level.refined |= std::uint64_t(1) << slot;
-        level.children[slot] = octree_.children(inner);
-        prefetch(leaves + level.children[slot].firstLeaf);
-      }
-    }
-  };
-  const auto gatherEntry = [&]<std::size_t Entry>() {
-    constexpr BlockEntry part = tables.entry[Entry];
-    const int slot = parent ? tables.slotOfEntry[path.octant[depth - 1]][Entry] : -1;
-    if (parent ? (parent->refined >> slot & 1) != 0 : Entry == 13)
-    {
-      gatherInner.template operator()<Entry>(parent ? parent->children[slot] : octree_.children(level.node));
-    }
-    else if (!parent || (parent->none >> slot & 1))
-    {
-      level.none |= part.slots;
-      for (int i = 0; i < part.count; ++i)
-      {
-        level.value[part.slot[i]] = 0.;
-      }
-    }
-    else
-    {
-      gatherLeaf(part, Entry, parent->coarse >> slot & 1 ? parent->depth[slot] : depth, parent->value[slot]);
-    }
-  };
-  // Unrolled: which places an entry covers is known to the compiler.
-  [&]<std::size_t... Entry>(std::index_sequence<Entry...>)
-  {
-    (gatherEntry.template operator()<Entry>(), ...);
-  }
-  (std::make_index_sequence<27>());
-  level.missing = level.none;
-  level.hanging = verticesTouching(level.coarse);
+  Level& level = levels_[0];
+  level.refined = std::uint64_t(1) << placeIndex(1, 1, 1);
+  level.none = level.missing = ~level.refined;
+  level.coarse = level.filled = 0;
+  level.inner[placeIndex(1, 1, 1)] = 0;
+  level.value = {};
 }
 
-/// Of the refined cells, what their vertices see of them.
-void BlockEvaluator::gatherChildValues(Level& level) const noexcept
+/// What a level's places are, from the children of its parent's.
+void BlockEvaluator::gather(const BlockPath& path, int depth, Level& level) noexcept
 {
-  if (level.hasChildValues)
+  Level& parent = levelAt(path, depth - 1);
+  fill(parent, ~std::uint64_t(0));
+  const int octant = depth == 0 ? 0 : path.octant[depth - 1];
+  level.node = path.node[depth];
+  level.leavesAround = entriesOf(~(parent.refined | parent.none), octant);
+  level.coarse = placesOf(level.leavesAround);
+  level.none = level.missing = placesOf(entriesOf(parent.none, octant)) | placesOf(parent.childNone, octant);
+  level.deep = (level.leavesAround & entriesOf(parent.coarse, octant)) != 0;
+  level.hanging = verticesTouching(level.coarse);
+  level.known = {};
+  level.filled = 0;
+  const int first = firstPlace(octant);
+  for (int row = 0; row < 16; ++row)
   {
+    std::copy_n(
+      parent.childValue.data() + first + childIndex(0, row & 3, row >> 2), 4, level.value.data() + 4 * row);
+  }
+  if (&level == &byMeans_)
+  {
+    level.refined = 0;
     return;
   }
-  const float* leaves = field_.leafValues().data();
-  for (std::uint64_t slots = level.refined; slots != 0; slots &= slots - 1)
+  level.refined = placesOf(parent.childInner, octant);
+  for (std::uint64_t rest = level.refined; rest != 0; rest &= rest - 1)
   {
-    const int slot = std::countr_zero(slots);
-    const Octree::Children& children = level.children[slot];
-    std::array<double, 8>& values = level.childValue[slot];
-    level.childExists[slot] = static_cast<std::uint8_t>(children.exists);
+    const int place = std::countr_zero(rest);
+    const int child = first + childIndex(place & 3, place >> 2 & 3, place >> 4);
+    const int above = placeIndex(child >> 1 & 3, child >> 4 & 3, child >> 7);
+    level.inner[place] = parent.children[above].innerIndex((child & 1) | (child >> 2 & 2) | (child >> 4 & 4));
+    octree_.prefetchChildren(level.inner[place]);
+  }
+}
+
+/// The children of some of a level's places.
+void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
+{
+  if (level.filled == 0)
+  {
+    level.childInner = level.childNone = {};
+  }
+  places &= ~level.filled;
+  level.filled |= places;
+  const float* leaves = field_.leafValues().data();
+  for (std::uint64_t rest = places & level.refined; rest != 0; rest &= rest - 1)
+  {
+    const int place = std::countr_zero(rest);
+    level.children[place] = octree_.children(level.inner[place]);
+    prefetch(leaves + level.children[place].firstLeaf);
+  }
+  for (std::uint64_t rest = places & ~level.refined; rest != 0; rest &= rest - 1)
+  {
+    const int place = std::countr_zero(rest);
+    double* values = level.childValue.data() + firstChild(place);
+    for (int o = 0; o < 8; ++o)
+    {
+      values[stepAlong(7, o)] = level.value[place];
+    }
+  }
+  for (std::uint64_t rest = places & level.none; rest != 0; rest &= rest - 1)
+  {
+    addChildren(level.childNone, std::countr_zero(rest), 0xff);
+  }
+  for (std::uint64_t rest = places & level.refined; rest != 0; rest &= rest - 1)
+  {
+    const int place = std::countr_zero(rest);
+    const Octree::Children& children = level.children[place];
+    double* values = level.childValue.data() + firstChild(place);
     if (children.allLeaves())
     {
       for (int o = 0; o < 8; ++o)
       {
-        values[o] = leaves[children.firstLeaf + o];
+        values[stepAlong(7, o)] = leaves[children.firstLeaf + o];
       }
       continue;
     }
-    const unsigned wanted = tables.childrenOfSlot[slot];
-    level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << slot;
-    for (unsigned rest = wanted & children.exists; rest != 0; rest &= rest - 1)
+    addChildren(level.childInner, place, children.inner());
+    for (unsigned octants = children.exists; octants != 0; octants &= octants - 1)
     {
-      const int octant = std::countr_zero(rest);
-      values[octant] = children.leaf >> octant & 1
-        ? leaves[children.leafIndex(octant)]
-        : field_.value({ NodeKind::Inner, 0, children.innerIndex(octant) });
+      const int o = std::countr_zero(octants);
+      values[stepAlong(7, o)] = children.leaf >> o & 1
+        ? leaves[children.leafIndex(o)]
+        : field_.value({ NodeKind::Inner, 0, children.innerIndex(o) });
+    }
+    if (children.exists != 0xff)
+    {
+      for (unsigned octants = 0xff & ~children.exists; octants != 0; octants &= octants - 1)
+      {
+        values[stepAlong(7, std::countr_zero(octants))] = 0.;
+      }
+      addChildren(level.childNone, place, 0xff & ~children.exists);
+      const unsigned wanted = tables.childrenOfPlace[place];
+      level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << place;
     }
   }
-  level.hasChildValues = true;
-}
-
-/// Leaves beside refined cells as if they had children, so that vertices need not ask which is which.
-void BlockEvaluator::fillLeaves(Level& level) const noexcept
-{
-  if (level.hasLeaves)
-  {
-    return;
-  }
-  std::uint64_t beside = level.missing != 0 ? ~std::uint64_t(0) : 0;
-  for (std::uint64_t slots = level.refined; slots != 0; slots &= slots - 1)
-  {
-    beside |= tables.slotsBeside[std::countr_zero(slots)];
-  }
-  for (std::uint64_t slots = beside & ~level.refined; slots != 0; slots &= slots - 1)
-  {
-    const int slot = std::countr_zero(slots);
-    level.childExists[slot] = level.none >> slot & 1 ? 0 : 0xff;
-    level.childValue[slot].fill(level.value[slot]);
-  }
-  level.hasLeaves = true;
 }
 
 /// Of the path's node at a depth.
 BlockEvaluator::Level& BlockEvaluator::levelAt(const BlockPath& path, int depth) noexcept
 {
-  Level& level = levels_[depth];
-  if (level.node != path.node[depth])
+  Level& level = levels_[1 + depth];
+  if (depth >= 0 && level.node != path.node[depth])
   {
-    gather(path, depth, depth == 0 ? nullptr : &levelAt(path, depth - 1), level);
+    gather(path, depth, level);
   }
   return level;
 }
@@ -610,27 +604,22 @@ void BlockEvaluator::computeSpecial(
   const BlockVertexMask hanging = both(wanted, level.hanging);
   if ((hanging[0] | hanging[1]) != 0)
   {
-    if (level.coarsest == depth)
+    if (!level.deep)
     {
       const int octant = path.octant[depth - 1];
       const int corner = 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2);
-      std::uint64_t around = 0;
-      for (std::uint32_t rest = level.coarseEntries; rest != 0; rest &= rest - 1)
-      {
-        around |= tables.nodeVerticesOfEntry[std::countr_zero(rest)];
-      }
+      const std::uint64_t around = nodeVerticesOf(level.leavesAround);
       const Level& coarser =
         withSpecial(path, depth - 1, { around << corner, corner == 0 ? 0 : around >> (64 - corner) });
       const double* values = coarser.special.data() + corner;
-      forEachVertex(hanging, [&](int vertex) {
-        const BlockVertex& b = tables.vertex[vertex];
-        double sum = b.coarserWeight[0] * values[b.coarser[0]];
-        for (int i = 1; i < 4; ++i)
-        {
-          sum += b.coarserWeight[i] * values[b.coarser[i]];
-        }
-        out[vertex] = sum;
-      });
+      // The middle of a child hangs on nothing.
+      for (unsigned axes = 1; axes < 8; ++axes)
+      {
+        forAxes(axes, [&]<unsigned Axes>() noexcept {
+          forEachVertex(both(hanging, tables.verticesOfAxes[Axes]),
+            [&](int vertex) { out[vertex] = halfway<Axes>(values + tables.vertex[vertex].coarser); });
+        });
+      }
     }
     else
     {
@@ -642,8 +631,7 @@ void BlockEvaluator::computeSpecial(
   {
     return;
   }
-  gatherChildValues(level);
-  fillLeaves(level);
+  fill(level, withNeighbours(level.refined | level.none));
   for (unsigned axes = 0; axes < 8; ++axes)
   {
     forAxes(axes, [&]<unsigned Axes>() noexcept {
@@ -662,13 +650,28 @@ void BlockEvaluator::computeSpecial(
   }
 }
 
+/// Of the coarser leaf at a place.
+int BlockEvaluator::leafDepth(const BlockPath& path, int depth, int place) noexcept
+{
+  for (;;)
+  {
+    const int entry = placeIndex(((place & 3) + 1) / 2, ((place >> 2 & 3) + 1) / 2, ((place >> 4) + 1) / 2);
+    place = entry + firstEntry(path.octant[depth - 1]);
+    if (!(levelAt(path, depth - 1).coarse >> place & 1))
+    {
+      return depth;
+    }
+    --depth;
+  }
+}
+
 /// Where leaves may be larger than the node itself.
 double BlockEvaluator::hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept
 {
   int coarsest = depth;
-  for (std::uint64_t slots = tables.vertex[vertex].slots & level.coarse; slots != 0; slots &= slots - 1)
+  for (std::uint64_t rest = tables.vertex[vertex].places & level.coarse; rest != 0; rest &= rest - 1)
   {
-    coarsest = std::min<int>(coarsest, level.depth[std::countr_zero(slots)]);
+    coarsest = std::min(coarsest, leafDepth(path, depth, std::countr_zero(rest)));
   }
   const int up = depth + 1 - coarsest;
   const std::array<int, 3> at{ vertex % 5, vertex / 5 % 5, vertex / 25 };
@@ -726,7 +729,7 @@ void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
   else
   {
     drawn_ = own.exists;
-    gather(path, depth, depth == 0 ? nullptr : &levelAt(path, depth - 1), byMeans_);
+    gather(path, depth, byMeans_);
   }
   uniformValues(*level);
   if ((level->refined | level->coarse | level->none) == 0)
@@ -740,7 +743,7 @@ void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
 Range BlockEvaluator::bounds(const BlockPath& path) noexcept
 {
   Level& level = levelAt(path, path.depth);
-  if (level.coarsest < path.depth)
+  if (level.deep)
   {
     // Vertices may depend on cells that are not around the node.
     BlockValues block;
@@ -752,7 +755,7 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
     uniformValues(level);
     return hull(rounded(values_));
   }
-  gatherChildValues(level);
+  fill(level, level.refined);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   const auto add = [&](double value) {
@@ -760,17 +763,18 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
     high = value > high ? value : high;
   };
   // Of refined ones the means: vertices of the node's own level see these.
-  for (std::uint64_t slots = ~level.none; slots != 0; slots &= slots - 1)
+  for (std::uint64_t rest = ~level.none; rest != 0; rest &= rest - 1)
   {
-    add(level.value[std::countr_zero(slots)]);
+    add(level.value[std::countr_zero(rest)]);
   }
-  for (std::uint64_t slots = level.refined; slots != 0; slots &= slots - 1)
+  for (std::uint64_t rest = level.refined; rest != 0; rest &= rest - 1)
   {
-    const int slot = std::countr_zero(slots);
-    unsigned touching = tables.childrenOfSlot[slot] & level.childExists[slot];
+    const int place = std::countr_zero(rest);
+    const double* values = level.childValue.data() + firstChild(place);
+    unsigned touching = tables.childrenOfPlace[place] & level.children[place].exists;
     for (; touching != 0; touching &= touching - 1)
     {
-      add(level.childValue[slot][std::countr_zero(touching)]);
+      add(values[stepAlong(7, std::countr_zero(touching))]);
     }
   }
   return { static_cast<float>(low), static_cast<float>(high) };

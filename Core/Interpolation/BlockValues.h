@@ -55,8 +55,9 @@ public:
     : field_(field)
     , octree_(field.octree())
     , levels_(
-        std::make_unique_for_overwrite<Level[]>(octree_.grid().paddingDepth() + octree_.leafLevels() + 1))
+        std::make_unique_for_overwrite<Level[]>(octree_.grid().paddingDepth() + octree_.leafLevels() + 2))
   {
+    startAboveRoot();
   }
   /// Needs a drawn child.
   void compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept;
@@ -65,43 +66,47 @@ public:
   Range bounds(const BlockPath& path) noexcept;
 
 private:
-  /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, and the vertices
-  /// that are not plain means of them.
+  /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, what their children
+  /// are, and the vertices that are not plain means of them. Masks have a bit per place.
   struct Level
   {
-    std::uint64_t node = ~std::uint64_t(0);
-    std::uint64_t refined;        // masks: inner nodes,
-    std::uint64_t coarse;         // parts of coarser leaves,
-    std::uint64_t none;           // places without a cell,
-    std::uint64_t missing;        // and these with cells of which a child that matters is missing
-    bool hasChildValues;          // of the refined,
-    bool hasLeaves;               // and of the leaves beside them
-    std::array<double, 64> value; // of leaves of any size, means of the refined
-    std::array<Octree::Children, 64> children;        // of the refined
-    std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
-    std::array<std::uint8_t, 64> childExists;
-    std::array<std::uint8_t, 64> depth; // of the coarse
-    std::uint32_t coarseEntries;        // their mask in the node's neighbourhood
-    int coarsest;                       // depth of the coarsest, or the node's own
-    BlockVertexMask hanging;            // vertices that touch the coarse
-    BlockVertexMask known;              // of
+    std::uint64_t node = noNode;
+    std::uint64_t refined; // inner nodes,
+    std::uint64_t coarse;  // parts of coarser leaves,
+    std::uint64_t none;    // places without a cell,
+    std::uint64_t missing; // and these with cells of which a child that matters is missing
+    std::uint64_t filled;  // places whose children are known
+    /// Leaves among the node and its neighbours of its size: 3 x 3 x 3 of them, x + 4 y + 16 z.
+    std::uint64_t leavesAround;
+    bool deep;               // some of these are coarser than the node
+    BlockVertexMask hanging; // vertices that touch the coarse
+    BlockVertexMask known;   // of
     std::array<double, 125> special;
+    std::array<double, 64> value;              // of leaves of any size, means of the refined
+    std::array<std::uint64_t, 64> inner;       // of the refined, as are
+    std::array<Octree::Children, 64> children; // where filled
+    /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own. Those on the rim may be missing.
+    std::array<double, 512> childValue;
+    std::array<std::uint64_t, 8> childInner; // masks by z: refined ones of refined places,
+    std::array<std::uint64_t, 8> childNone;  // no cell
   };
+  static constexpr std::uint64_t noNode = ~std::uint64_t(0);
 
-  void gather(const BlockPath& path, int depth, const Level* parent, Level& level) const noexcept;
-  void gatherChildValues(Level& level) const noexcept;
-  void fillLeaves(Level& level) const noexcept;
+  void startAboveRoot() noexcept;
+  void gather(const BlockPath& path, int depth, Level& level) noexcept;
+  void fill(Level& level, std::uint64_t places) const noexcept;
   Level& levelAt(const BlockPath& path, int depth) noexcept;
   Level& withSpecial(const BlockPath& path, int depth, const BlockVertexMask& vertices) noexcept;
   void computeSpecial(
     const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
+  int leafDepth(const BlockPath& path, int depth, int place) noexcept;
   double hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept;
   void uniformValues(const Level& level) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
 
   const Field& field_;
   const Octree& octree_;
-  std::unique_ptr<Level[]> levels_; // by depth of the inner node
+  std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node: the first is of what is above the root
   Level byMeans_;
   unsigned drawn_; // children whose vertices are wanted
   std::array<double, 125> values_;
