@@ -456,8 +456,11 @@ void BlockEvaluator::gather(const BlockPath& path, int depth, Level& level) noex
   const int first = firstPlace(octant);
   for (int row = 0; row < 16; ++row)
   {
-    std::copy_n(
-      parent.childValue.data() + first + childIndex(0, row & 3, row >> 2), 4, level.value.data() + 4 * row);
+    const double* from = parent.childValue.data() + first + childIndex(0, row & 3, row >> 2);
+    for (int x = 0; x < 4; ++x)
+    {
+      level.value[4 * row + x] = from[x];
+    }
   }
   if (&level == &byMeans_)
   {
@@ -485,11 +488,14 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
   places &= ~level.filled;
   level.filled |= places;
   const float* leaves = field_.leafValues().data();
+  const float* means = field_.innerMeans().data();
   for (std::uint64_t rest = places & level.refined; rest != 0; rest &= rest - 1)
   {
     const int place = std::countr_zero(rest);
-    level.children[place] = octree_.children(level.inner[place]);
-    prefetch(leaves + level.children[place].firstLeaf);
+    const Octree::Children children = octree_.children(level.inner[place]);
+    level.children[place] = children;
+    prefetch(leaves + children.firstLeaf);
+    prefetch(children.allLeaves() ? leaves + children.firstLeaf + 7 : means + children.firstInner);
   }
   for (std::uint64_t rest = places & ~level.refined; rest != 0; rest &= rest - 1)
   {
@@ -518,23 +524,28 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
       continue;
     }
     addChildren(level.childInner, place, children.inner());
-    for (unsigned octants = children.exists; octants != 0; octants &= octants - 1)
+    const float* leaf = leaves + children.firstLeaf;
+    const float* mean = means + children.firstInner;
+    if (children.exists == 0xff)
     {
-      const int o = std::countr_zero(octants);
-      values[stepAlong(7, o)] = children.leaf >> o & 1
-        ? leaves[children.leafIndex(o)]
-        : field_.value({ NodeKind::Inner, 0, children.innerIndex(o) });
-    }
-    if (children.exists != 0xff)
-    {
-      for (unsigned octants = 0xff & ~children.exists; octants != 0; octants &= octants - 1)
+      // Leaves or not is as good as random: without branches.
+      for (int o = 0; o < 8; ++o)
       {
-        values[stepAlong(7, std::countr_zero(octants))] = 0.;
+        const std::ptrdiff_t isLeaf = children.leaf >> o & 1;
+        values[stepAlong(7, o)] = *(isLeaf != 0 ? leaf : mean);
+        leaf += isLeaf;
+        mean += 1 - isLeaf;
       }
-      addChildren(level.childNone, place, 0xff & ~children.exists);
-      const unsigned wanted = tables.childrenOfPlace[place];
-      level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << place;
+      continue;
     }
+    for (int o = 0; o < 8; ++o)
+    {
+      const unsigned bit = 1u << o;
+      values[stepAlong(7, o)] = children.leaf & bit ? *leaf++ : children.exists & bit ? *mean++ : 0.f;
+    }
+    addChildren(level.childNone, place, 0xff & ~children.exists);
+    const unsigned wanted = tables.childrenOfPlace[place];
+    level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << place;
   }
 }
 

@@ -26,6 +26,7 @@ public:
     return node.isLeaf() ? values_[node.index()] : means_[node.index()];
   }
   const std::vector<float>& leafValues() const noexcept { return values_; }
+  const std::vector<float>& innerMeans() const noexcept { return means_; }
 
   /// Hull of the leaves' values, which also bounds the reconstructed field; {0, 0} without cells.
   Range range() const noexcept { return range_; }
