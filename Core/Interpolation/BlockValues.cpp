@@ -474,7 +474,6 @@ void BlockEvaluator::gather(const BlockPath& path, int depth, Level& level) noex
     const int child = first + childIndex(place & 3, place >> 2 & 3, place >> 4);
     const int above = placeIndex(child >> 1 & 3, child >> 4 & 3, child >> 7);
     level.inner[place] = parent.children[above].innerIndex((child & 1) | (child >> 2 & 2) | (child >> 4 & 4));
-    octree_.prefetchChildren(level.inner[place]);
   }
 }
 
@@ -493,7 +492,12 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
   {
     const int place = std::countr_zero(rest);
     const Octree::Children children = octree_.children(level.inner[place]);
-    level.children[place] = children;
+    // Member by member: copied as a whole, its masks would be read back wider than they were just written.
+    Octree::Children& kept = level.children[place];
+    kept.exists = children.exists;
+    kept.leaf = children.leaf;
+    kept.firstInner = children.firstInner;
+    kept.firstLeaf = children.firstLeaf;
     prefetch(leaves + children.firstLeaf);
     prefetch(children.allLeaves() ? leaves + children.firstLeaf + 7 : means + children.firstInner);
   }
@@ -524,6 +528,7 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
       continue;
     }
     addChildren(level.childInner, place, children.inner());
+    octree_.prefetchChildren(children.firstInner);
     const float* leaf = leaves + children.firstLeaf;
     const float* mean = means + children.firstInner;
     if (children.exists == 0xff)
