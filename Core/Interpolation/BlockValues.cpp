@@ -1,5 +1,6 @@
 #include "Interpolation/BlockValues.h"
 
+#include "Interpolation/BlockKernel.h"
 #include "Interpolation/GTIWeights.h"
 
 #include <algorithm>
@@ -390,36 +391,6 @@ double halfway(const double* coarser) noexcept
   return sum / count;
 }
 
-std::array<float, 125> rounded(const std::array<double, 125>& values) noexcept
-{
-  std::array<float, 125> floats;
-  for (int i = 0; i < 125; ++i)
-  {
-    floats[i] = static_cast<float>(values[i]);
-  }
-  return floats;
-}
-
-/// In sixteen interleaved parts, which compilers vectorise; the last overlaps the one before.
-Range hull(const std::array<float, 125>& values) noexcept
-{
-  constexpr int width = 16;
-  std::array<float, width> low;
-  std::array<float, width> high;
-  std::copy_n(values.end() - width, width, low.begin());
-  high = low;
-  for (int part = 0; part + width <= 125; part += width)
-  {
-    for (int i = 0; i < width; ++i)
-    {
-      const float v = values[part + i];
-      low[i] = v < low[i] ? v : low[i];
-      high[i] = v > high[i] ? v : high[i];
-    }
-  }
-  return { *std::min_element(low.begin(), low.end()), *std::max_element(high.begin(), high.end()) };
-}
-
 template <unsigned Axes, class Level>
 double latticeValue(const Level& level, const BlockVertex& b) noexcept
 {
@@ -563,38 +534,6 @@ BlockEvaluator::Level& BlockEvaluator::levelAt(const BlockPath& path, int depth)
     gather(path, depth, level);
   }
   return level;
-}
-
-/// As if all 64 were leaves of one size: means along one axis after the other.
-void BlockEvaluator::uniformValues(const Level& level) noexcept
-{
-  std::array<double, 5 * 16> x;  // x, slots of y and z
-  std::array<double, 25 * 4> xy; // x, y, slots of z
-  for (int row = 0; row < 16; ++row)
-  {
-    const double* s = level.value.data() + 4 * row;
-    double* v = x.data() + 5 * row;
-    v[0] = 0.5 * (s[0] + s[1]);
-    v[1] = s[1];
-    v[2] = 0.5 * (s[1] + s[2]);
-    v[3] = s[2];
-    v[4] = 0.5 * (s[2] + s[3]);
-  }
-  const auto expand = [](const double* s, double* v, int width) {
-    for (int i = 0; i < width; ++i)
-    {
-      v[i] = 0.5 * (s[i] + s[width + i]);
-      v[width + i] = s[width + i];
-      v[2 * width + i] = 0.5 * (s[width + i] + s[2 * width + i]);
-      v[3 * width + i] = s[2 * width + i];
-      v[4 * width + i] = 0.5 * (s[2 * width + i] + s[3 * width + i]);
-    }
-  };
-  for (int plane = 0; plane < 4; ++plane)
-  {
-    expand(x.data() + 20 * plane, xy.data() + 25 * plane, 5);
-  }
-  expand(xy.data(), values_.data(), 25);
 }
 
 /// The level with these vertices known.
@@ -747,7 +686,7 @@ void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
     drawn_ = own.exists;
     gather(path, depth, byMeans_);
   }
-  uniformValues(*level);
+  meansBetween(level->value, values_);
   if ((level->refined | level->coarse | level->none) == 0)
   {
     return;
@@ -768,8 +707,9 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
   }
   if ((level.refined | level.coarse | level.none) == 0)
   {
-    uniformValues(level);
-    return hull(rounded(values_));
+    meansBetween(level.value, values_);
+    std::array<float, 125> rounded;
+    return roundValues(values_, rounded);
   }
   fill(level, level.refined);
   double low = std::numeric_limits<double>::infinity();
@@ -799,7 +739,7 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
 void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept
 {
   evaluate(path, cells);
-  block.values = rounded(values_);
+  block.range = roundValues(values_, block.values);
   if (drawn_ != 0xff)
   {
     // The middle of a drawn child stands in for what is not drawn, so that the hull is that of the rest.
@@ -807,8 +747,8 @@ void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValue
     const float drawn = block.values[31 + 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2)];
     const BlockVertexMask all{ ~std::uint64_t(0), (std::uint64_t(1) << (125 - 64)) - 1 };
     forEachVertex(without(all, verticesOf(drawn_)), [&](int vertex) { block.values[vertex] = drawn; });
+    block.range = hull(block.values);
   }
-  block.range = hull(block.values);
 }
 
 } // namespace treeamr

@@ -82,8 +82,8 @@ private:
     BlockVertexMask hanging; // vertices that touch the coarse
     BlockVertexMask known;   // of
     std::array<double, 125> special;
-    std::array<double, 64> value;              // of leaves of any size, means of the refined
-    std::array<std::uint64_t, 64> inner;       // of the refined, as are
+    std::array<double, 72> value;        // of leaves of any size, means of the refined; the last eight: room
+    std::array<std::uint64_t, 64> inner; // of the refined, as are
     std::array<Octree::Children, 64> children; // where filled
     /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own. Those on the rim may be missing.
     std::array<double, 512> childValue;
@@ -101,15 +101,14 @@ private:
     const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
   int leafDepth(const BlockPath& path, int depth, int place) noexcept;
   double hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept;
-  void uniformValues(const Level& level) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
 
   const Field& field_;
   const Octree& octree_;
   std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node: the first is of what is above the root
   Level byMeans_;
-  unsigned drawn_; // children whose vertices are wanted
-  std::array<double, 125> values_;
+  unsigned drawn_;                 // children whose vertices are wanted
+  std::array<double, 128> values_; // 125 and room
 };
 
 } // namespace treeamr
