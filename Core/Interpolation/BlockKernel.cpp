@@ -79,14 +79,15 @@ void MeansBetween(const double* places, double* values)
     }
   }
   // In their order: what a row's vectors write beyond it the next one overwrites.
-  for (int row = 0; row < 25; ++row)
+  for (int z = 0; z < 5; ++z)
   {
-    const int z = row / 5;
-    const int y = row % 5;
-    for (int i = 0; i < rowRoom; i += doubles)
+    for (int y = 0; y < 5; ++y)
     {
-      hn::StoreU(mean(hn::Load(d, xy[firstCell[z]][y] + i), hn::Load(d, xy[secondCell[z]][y] + i)), d,
-        values + 5 * row + i);
+      for (int i = 0; i < rowRoom; i += doubles)
+      {
+        hn::StoreU(mean(hn::Load(d, xy[firstCell[z]][y] + i), hn::Load(d, xy[secondCell[z]][y] + i)), d,
+          values + 25 * z + 5 * y + i);
+      }
     }
   }
 }

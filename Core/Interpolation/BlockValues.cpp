@@ -403,10 +403,10 @@ double latticeValue(const Level& level, const BlockVertex& b) noexcept
 void BlockEvaluator::startAboveRoot() noexcept
 {
   Level& level = levels_[0];
-  level.refined = std::uint64_t(1) << placeIndex(1, 1, 1);
+  level.refined = std::uint64_t(octree_.root().isInner()) << placeIndex(1, 1, 1);
+  open(nullptr, 0, level);
   level.none = level.missing = ~level.refined;
   level.coarse = level.filled = 0;
-  level.inner[placeIndex(1, 1, 1)] = 0;
   level.value = {};
 }
 
@@ -433,19 +433,38 @@ void BlockEvaluator::gather(const BlockPath& path, int depth, Level& level) noex
       level.value[4 * row + x] = from[x];
     }
   }
-  if (&level == &byMeans_)
-  {
-    level.refined = 0;
-    return;
-  }
-  level.refined = placesOf(parent.childInner, octant);
+  level.refined = &level == &byMeans_ ? 0 : placesOf(parent.childInner, octant);
+  open(&parent, octant, level);
+}
+
+/// Finds the children of refined places, and announces that their values will be asked for.
+void BlockEvaluator::open(const Level* parent, int octant, Level& level) const noexcept
+{
+  const float* leaves = field_.leafValues().data();
+  const float* means = field_.innerMeans().data();
+  std::uint64_t mixed = 0;
   for (std::uint64_t rest = level.refined; rest != 0; rest &= rest - 1)
   {
     const int place = std::countr_zero(rest);
-    const int child = first + childIndex(place & 3, place >> 2 & 3, place >> 4);
-    const int above = placeIndex(child >> 1 & 3, child >> 4 & 3, child >> 7);
-    level.inner[place] = parent.children[above].innerIndex((child & 1) | (child >> 2 & 2) | (child >> 4 & 4));
+    std::uint64_t inner = 0;
+    if (parent)
+    {
+      const int child = firstPlace(octant) + childIndex(place & 3, place >> 2 & 3, place >> 4);
+      const int above = placeIndex(child >> 1 & 3, child >> 4 & 3, child >> 7);
+      inner = parent->children[above].innerIndex((child & 1) | (child >> 2 & 2) | (child >> 4 & 4));
+    }
+    const Octree::Children children = octree_.children(inner);
+    // Member by member: copied as a whole, its masks would be read back wider than they were just written.
+    Octree::Children& kept = level.children[place];
+    kept.exists = children.exists;
+    kept.leaf = children.leaf;
+    kept.firstInner = children.firstInner;
+    kept.firstLeaf = children.firstLeaf;
+    mixed |= static_cast<std::uint64_t>(!children.allLeaves()) << place;
+    prefetch(leaves + children.firstLeaf);
+    prefetch(children.allLeaves() ? leaves + children.firstLeaf + 7 : means + children.firstInner);
   }
+  level.mixed = mixed;
 }
 
 /// The children of some of a level's places.
@@ -459,19 +478,6 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
   level.filled |= places;
   const float* leaves = field_.leafValues().data();
   const float* means = field_.innerMeans().data();
-  for (std::uint64_t rest = places & level.refined; rest != 0; rest &= rest - 1)
-  {
-    const int place = std::countr_zero(rest);
-    const Octree::Children children = octree_.children(level.inner[place]);
-    // Member by member: copied as a whole, its masks would be read back wider than they were just written.
-    Octree::Children& kept = level.children[place];
-    kept.exists = children.exists;
-    kept.leaf = children.leaf;
-    kept.firstInner = children.firstInner;
-    kept.firstLeaf = children.firstLeaf;
-    prefetch(leaves + children.firstLeaf);
-    prefetch(children.allLeaves() ? leaves + children.firstLeaf + 7 : means + children.firstInner);
-  }
   for (std::uint64_t rest = places & ~level.refined; rest != 0; rest &= rest - 1)
   {
     const int place = std::countr_zero(rest);
@@ -485,19 +491,21 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
   {
     addChildren(level.childNone, std::countr_zero(rest), 0xff);
   }
-  for (std::uint64_t rest = places & level.refined; rest != 0; rest &= rest - 1)
+  for (std::uint64_t rest = places & level.refined & ~level.mixed; rest != 0; rest &= rest - 1)
+  {
+    const int place = std::countr_zero(rest);
+    const float* leaf = leaves + level.children[place].firstLeaf;
+    double* values = level.childValue.data() + firstChild(place);
+    for (int o = 0; o < 8; ++o)
+    {
+      values[stepAlong(7, o)] = leaf[o];
+    }
+  }
+  for (std::uint64_t rest = places & level.mixed; rest != 0; rest &= rest - 1)
   {
     const int place = std::countr_zero(rest);
     const Octree::Children& children = level.children[place];
     double* values = level.childValue.data() + firstChild(place);
-    if (children.allLeaves())
-    {
-      for (int o = 0; o < 8; ++o)
-      {
-        values[stepAlong(7, o)] = leaves[children.firstLeaf + o];
-      }
-      continue;
-    }
     addChildren(level.childInner, place, children.inner());
     octree_.prefetchChildren(children.firstInner);
     const float* leaf = leaves + children.firstLeaf;

@@ -72,19 +72,19 @@ private:
   {
     std::uint64_t node = noNode;
     std::uint64_t refined; // inner nodes,
+    std::uint64_t mixed;   // of these, not all of whose children are leaves,
     std::uint64_t coarse;  // parts of coarser leaves,
     std::uint64_t none;    // places without a cell,
     std::uint64_t missing; // and these with cells of which a child that matters is missing
-    std::uint64_t filled;  // places whose children are known
+    std::uint64_t filled;  // places whose childValue is known
     /// Leaves among the node and its neighbours of its size: 3 x 3 x 3 of them, x + 4 y + 16 z.
     std::uint64_t leavesAround;
     bool deep;               // some of these are coarser than the node
     BlockVertexMask hanging; // vertices that touch the coarse
     BlockVertexMask known;   // of
     std::array<double, 125> special;
-    std::array<double, 72> value;        // of leaves of any size, means of the refined; the last eight: room
-    std::array<std::uint64_t, 64> inner; // of the refined, as are
-    std::array<Octree::Children, 64> children; // where filled
+    std::array<double, 72> value; // of leaves of any size, means of the refined; the last eight: room
+    std::array<Octree::Children, 64> children; // of the refined
     /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own. Those on the rim may be missing.
     std::array<double, 512> childValue;
     std::array<std::uint64_t, 8> childInner; // masks by z: refined ones of refined places,
@@ -94,6 +94,7 @@ private:
 
   void startAboveRoot() noexcept;
   void gather(const BlockPath& path, int depth, Level& level) noexcept;
+  void open(const Level* parent, int octant, Level& level) const noexcept;
   void fill(Level& level, std::uint64_t places) const noexcept;
   Level& levelAt(const BlockPath& path, int depth) noexcept;
   Level& withSpecial(const BlockPath& path, int depth, const BlockVertexMask& vertices) noexcept;
