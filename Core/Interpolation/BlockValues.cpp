@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 namespace treeamr
 {
@@ -13,37 +14,40 @@ namespace treeamr
 namespace
 {
 
-constexpr void add(BlockVertexMask& mask, int v)
+void add(BlockVertexMask& mask, const BlockVertexMask& more) noexcept
 {
-  mask[v >> 6] |= std::uint64_t(1) << (v & 63);
-}
-
-constexpr void add(BlockVertexMask& mask, const BlockVertexMask& more)
-{
-  mask[0] |= more[0];
-  mask[1] |= more[1];
-}
-
-constexpr BlockVertexMask without(const BlockVertexMask& mask, const BlockVertexMask& others)
-{
-  return { mask[0] & ~others[0], mask[1] & ~others[1] };
-}
-
-constexpr BlockVertexMask both(const BlockVertexMask& a, const BlockVertexMask& b)
-{
-  return { a[0] & b[0], a[1] & b[1] };
-}
-
-template <class F>
-void forEachVertex(const BlockVertexMask& mask, const F& f)
-{
-  for (int word = 0; word < 2; ++word)
+  for (int axes = 0; axes < 8; ++axes)
   {
-    for (std::uint64_t rest = mask[word]; rest != 0; rest &= rest - 1)
-    {
-      f(64 * word + std::countr_zero(rest));
-    }
+    mask[axes] |= more[axes];
   }
+}
+
+BlockVertexMask without(BlockVertexMask mask, const BlockVertexMask& others) noexcept
+{
+  for (int axes = 0; axes < 8; ++axes)
+  {
+    mask[axes] &= ~others[axes];
+  }
+  return mask;
+}
+
+BlockVertexMask both(BlockVertexMask a, const BlockVertexMask& b) noexcept
+{
+  for (int axes = 0; axes < 8; ++axes)
+  {
+    a[axes] &= b[axes];
+  }
+  return a;
+}
+
+bool isEmpty(const BlockVertexMask& mask) noexcept
+{
+  std::uint64_t any = 0;
+  for (const std::uint64_t vertices : mask)
+  {
+    any |= vertices;
+  }
+  return any == 0;
 }
 
 /// Places of a level: see BlockEvaluator::Level.
@@ -58,63 +62,78 @@ constexpr int childIndex(int x, int y, int z)
   return x + 8 * y + 64 * z;
 }
 
-/// Along each axis place 0 is the upper child of the lower neighbour, 1 and 2 are the children of the node itself,
-/// 3 is the lower child of the upper neighbour. Vertex v lies between the children v + 1 and v + 2 of places.
-struct BlockVertex
+constexpr int vertexIndex(int x, int y, int z)
 {
-  std::uint8_t place = 0;   // first of those around it,
-  std::uint64_t places = 0; // mask of all
-  std::uint16_t child = 0;  // first of the eight around it
-  std::uint8_t coarser =
-    0; // on the lattice of the next coarser level, from the node's lower corner: the first of
-       // the one, two or four that it lies between
-};
+  return x + 5 * y + 25 * z;
+}
 
+/// First child of a place.
+constexpr int firstChild(int place)
+{
+  return childIndex(2 * (place & 3), 2 * (place >> 2 & 3), 2 * (place >> 4));
+}
+
+/// Corner `part` of those along the axes of a mask, as a step among a level's children.
+constexpr int stepAlong(unsigned axes, int part)
+{
+  int step = 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    if (axes >> a & 1)
+    {
+      step += (part & 1) << 3 * a;
+      part >>= 1;
+    }
+  }
+  return step;
+}
+
+/// Vertex 1 along the axes that are not in a mask. Along these, vertex v lies in the middle of place (v + 1) / 2,
+/// along the others between places v / 2 and v / 2 + 1; along all, between the children v + 1 and v + 2 of places.
+constexpr int middleVertex(unsigned axes)
+{
+  return vertexIndex(axes & 1 ? 0 : 1, axes & 2 ? 0 : 1, axes & 4 ? 0 : 1);
+}
+
+/// The first of the eight children of places around a vertex, by its axes and first place.
+constexpr int childBefore(unsigned axes, int place)
+{
+  return firstChild(place) + stepAlong(axes, 7);
+}
+
+/// Along each axis place 0 is the upper child of the lower neighbour, 1 and 2 are the children of the node itself,
+/// 3 is the lower child of the upper neighbour.
 struct BlockTables
 {
-  std::array<BlockVertex, 125> vertex{};
-  std::array<BlockVertexMask, 8> verticesOfAxes{}; // those that lie between places along these axes alone
-  std::array<std::uint8_t, 64> childrenOfPlace{};  // that touch any vertex
-  // Vertices of a plane that touch places of its first two rows, and of the other two, by their mask.
-  std::array<std::array<std::uint32_t, 256>, 2> verticesOfRows{};
+  std::array<std::uint8_t, 64> childrenOfPlace{}; // that touch any vertex
+  std::array<std::uint8_t, 64> vertexIn{};        // half of a vertex's index, for the vertices of all axes
+  std::array<BlockVertexMask, 8> ofChild{};       // a child's own vertices
 };
 
 constexpr BlockTables makeTables()
 {
   BlockTables t{};
-  for (int v = 0; v < 125; ++v)
+  for (int place = 0; place < 64; ++place)
   {
-    const std::array<int, 3> at{ v % 5, v / 5 % 5, v / 25 };
-    BlockVertex& b = t.vertex[v];
-    unsigned axes = 0;
-    for (int a = 0; a < 3; ++a)
+    const std::array<int, 3> at{ place & 3, place >> 2 & 3, place >> 4 };
+    t.vertexIn[place] = static_cast<std::uint8_t>(vertexIndex(at[0], at[1], at[2]));
+    for (int o = 0; o < 8; ++o)
     {
-      axes |= static_cast<unsigned>(at[a] % 2 == 0) << a;
-    }
-    add(t.verticesOfAxes[axes], v);
-    b.place = static_cast<std::uint8_t>(placeIndex((at[0] + 1) / 2, (at[1] + 1) / 2, (at[2] + 1) / 2));
-    b.child = static_cast<std::uint16_t>(childIndex(at[0] + 1, at[1] + 1, at[2] + 1));
-    b.coarser = static_cast<std::uint8_t>(at[0] / 2 + 5 * (at[1] / 2) + 25 * (at[2] / 2));
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      const std::array<int, 3> child{ at[0] + 1 + (corner & 1), at[1] + 1 + (corner >> 1 & 1),
-        at[2] + 1 + (corner >> 2) };
-      const int place = placeIndex(child[0] / 2, child[1] / 2, child[2] / 2);
-      b.places |= std::uint64_t(1) << place;
-      t.childrenOfPlace[place] |=
-        static_cast<std::uint8_t>(1u << ((child[0] & 1) | (child[1] & 1) << 1 | (child[2] & 1) << 2));
-    }
-  }
-  for (unsigned rows = 0; rows < 256; ++rows)
-  {
-    for (int v = 0; v < 25; ++v)
-    {
-      for (int half = 0; half < 2; ++half)
+      bool touches = true;
+      for (int a = 0; a < 3; ++a)
       {
-        // In the middle of a plane of places.
-        const std::uint64_t touched = t.vertex[v + 25].places >> 16 & 0xffff;
-        const bool touches = (touched >> 8 * half & rows) != 0;
-        t.verticesOfRows[half][rows] |= static_cast<std::uint32_t>(touches) << v;
+        touches = touches && (o >> a & 1 ? at[a] != 3 : at[a] != 0);
+      }
+      t.childrenOfPlace[place] |= static_cast<std::uint8_t>(touches << o);
+      for (unsigned axes = 0; axes < 8; ++axes)
+      {
+        bool own = true;
+        for (int a = 0; a < 3; ++a)
+        {
+          const int upper = o >> a & 1;
+          own = own && (at[a] == upper + 1 || (at[a] == upper && (axes >> a & 1)));
+        }
+        t.ofChild[o][axes] |= static_cast<std::uint64_t>(own) << place;
       }
     }
   }
@@ -122,6 +141,11 @@ constexpr BlockTables makeTables()
 }
 
 constexpr BlockTables tables = makeTables();
+
+int vertexOf(unsigned axes, int place) noexcept
+{
+  return 2 * tables.vertexIn[place] - middleVertex(axes);
+}
 
 void prefetch(const float* address) noexcept
 {
@@ -132,42 +156,43 @@ void prefetch(const float* address) noexcept
 #endif
 }
 
-/// Calls f<axes>().
+/// Calls f<axes>() for all.
 template <class F>
-void forAxes(unsigned axes, const F& f) noexcept
+void forAxes(const F& f) noexcept
 {
-  switch (axes)
+  [&]<unsigned... Axes>(std::integer_sequence<unsigned, Axes...>)
   {
-    case 0:
-      return f.template operator()<0>();
-    case 1:
-      return f.template operator()<1>();
-    case 2:
-      return f.template operator()<2>();
-    case 3:
-      return f.template operator()<3>();
-    case 4:
-      return f.template operator()<4>();
-    case 5:
-      return f.template operator()<5>();
-    case 6:
-      return f.template operator()<6>();
-    default:
-      return f.template operator()<7>();
+    (f.template operator()<Axes>(), ...);
+  }
+  (std::make_integer_sequence<unsigned, 8>());
+}
+
+/// Calls f(place).
+template <class F>
+void forEachPlace(std::uint64_t places, const F& f) noexcept
+{
+  for (; places != 0; places &= places - 1)
+  {
+    f(std::countr_zero(places));
   }
 }
 
 BlockVertexMask verticesTouching(std::uint64_t places) noexcept
 {
-  std::array<std::uint64_t, 4> plane;
-  for (int z = 0; z < 4; ++z)
+  // Of four places along an axis, three vertices lie between, and two are the middle of the inner ones.
+  constexpr std::array<std::uint64_t, 3> lower{ 0x7777777777777777, 0x0fff0fff0fff0fff, 0x0000ffffffffffff };
+  constexpr std::array<std::uint64_t, 3> inner{ 0x6666666666666666, 0x0ff00ff00ff00ff0, 0x0000ffffffff0000 };
+  BlockVertexMask mask;
+  mask[0] = places;
+  for (int a = 0; a < 3; ++a)
   {
-    plane[z] = tables.verticesOfRows[0][places >> 16 * z & 0xff] |
-      tables.verticesOfRows[1][places >> (16 * z + 8) & 0xff];
+    for (int axes = 0; axes < 1 << a; ++axes)
+    {
+      mask[axes | 1 << a] = (mask[axes] | mask[axes] >> (1 << 2 * a)) & lower[a];
+      mask[axes] &= inner[a];
+    }
   }
-  const std::uint64_t middle = plane[1] | plane[2];
-  return { (plane[0] | plane[1]) | plane[1] << 25 | middle << 50,
-    middle >> 14 | plane[2] << 11 | (plane[2] | plane[3]) << 36 };
+  return mask;
 }
 
 /// Of a node's children.
@@ -208,21 +233,6 @@ std::uint64_t placesOf(std::uint64_t entries) noexcept
   return (xy & 0xffffffff) | (xy & 0xffffffff0000) << 16;
 }
 
-/// Vertices of the node itself that touch entries of its neighbourhood, on the lattice of its parent's level, counted
-/// from the node's lower corner.
-std::uint64_t nodeVerticesOf(std::uint64_t entries) noexcept
-{
-  std::uint64_t middle = entries & 0x022202220222;
-  entries |= middle << 1 | middle >> 1;
-  middle = entries & 0x00f000f000f0;
-  entries |= middle << 4 | middle >> 4;
-  middle = entries & 0xffff0000;
-  entries |= middle << 16 | middle >> 16;
-  const std::uint64_t rows =
-    (entries & 0x000700070007) | (entries & 0x007000700070) << 1 | (entries & 0x070007000700) << 2;
-  return (rows & 0xffff) | (rows & 0xffff0000) << 9 | (rows & 0xffff00000000) << 18;
-}
-
 /// First of the children of a level's places that are the places of a child's level.
 constexpr int firstPlace(int octant)
 {
@@ -241,12 +251,6 @@ std::uint64_t placesOf(const std::array<std::uint64_t, 8>& children, int octant)
     places |= ((rows | rows >> 8) & 0xffff) << 16 * z;
   }
   return places;
-}
-
-/// First child of a place.
-constexpr int firstChild(int place)
-{
-  return childIndex(2 * (place & 3), 2 * (place >> 2 & 3), 2 * (place >> 4));
 }
 
 /// Adds a mask of a place's children to those of a level.
@@ -299,29 +303,14 @@ const double* weightsOf(unsigned refined) noexcept
   }
 }
 
-/// Corner `part` of those along the axes of a mask, as a step among a level's children.
-constexpr int stepAlong(unsigned axes, int part)
-{
-  int step = 0;
-  for (int a = 0; a < 3; ++a)
-  {
-    if (axes >> a & 1)
-    {
-      step += (part & 1) << 3 * a;
-      part >>= 1;
-    }
-  }
-  return step;
-}
-
 /// A vertex between leaves and refined nodes of one level.
 template <unsigned Axes, class Level>
-double onLattice(const Level& level, const BlockVertex& b) noexcept
+double onLattice(const Level& level, int place) noexcept
 {
   constexpr int count = 1 << std::popcount(Axes);
   constexpr int children = 8 / count;
-  const double* values = level.childValue.data() + b.child;
-  const double* weights = weightsOf<Axes>(aroundVertex<Axes>(level.refined >> b.place));
+  const double* values = level.childValue.data() + childBefore(Axes, place);
+  const double* weights = weightsOf<Axes>(aroundVertex<Axes>(level.refined >> place));
   double sum = 0.;
   for (int s = 0; s < count; ++s)
   {
@@ -337,11 +326,11 @@ double onLattice(const Level& level, const BlockVertex& b) noexcept
 
 /// The same where cells may be missing: a place without one takes no part and counts as unrefined.
 template <unsigned Axes, class Level>
-double onSparseLattice(const Level& level, const BlockVertex& b) noexcept
+double onSparseLattice(const Level& level, int place) noexcept
 {
   constexpr int count = 1 << std::popcount(Axes);
   std::array<double, count> data{};
-  const unsigned refinedAround = aroundVertex<Axes>(level.refined >> b.place);
+  const unsigned refinedAround = aroundVertex<Axes>(level.refined >> place);
   unsigned present = 0;
   unsigned refined = 0;
   for (int s = 0; s < count; ++s)
@@ -349,7 +338,7 @@ double onSparseLattice(const Level& level, const BlockVertex& b) noexcept
     int touching = 0;
     for (int c = 0; c < 8 / count; ++c)
     {
-      const int child = b.child + stepAlong(Axes, s) + stepAlong(~Axes, c);
+      const int child = childBefore(Axes, place) + stepAlong(Axes, s) + stepAlong(~Axes, c);
       if (!(level.childNone[child >> 6] >> (child & 63) & 1))
       {
         data[s] += level.childValue[child];
@@ -386,15 +375,9 @@ double halfway(const double* coarser) noexcept
   for (int corner = 0; corner < count; ++corner)
   {
     const int step = stepAlong(~Axes, corner);
-    sum += coarser[(step & 1) + 5 * (step >> 3 & 1) + 25 * (step >> 6)];
+    sum += coarser[vertexIndex(step & 1, step >> 3 & 1, step >> 6)];
   }
   return sum / count;
-}
-
-template <unsigned Axes, class Level>
-double latticeValue(const Level& level, const BlockVertex& b) noexcept
-{
-  return (b.places & level.missing) == 0 ? onLattice<Axes>(level, b) : onSparseLattice<Axes>(level, b);
 }
 
 } // namespace
@@ -417,10 +400,10 @@ void BlockEvaluator::gather(const BlockPath& path, int depth, Level& level) noex
   fill(parent, ~std::uint64_t(0));
   const int octant = depth == 0 ? 0 : path.octant[depth - 1];
   level.node = path.node[depth];
-  level.leavesAround = entriesOf(~(parent.refined | parent.none), octant);
-  level.coarse = placesOf(level.leavesAround);
+  const std::uint64_t leaves = entriesOf(~(parent.refined | parent.none), octant);
+  level.coarse = placesOf(leaves);
   level.none = level.missing = placesOf(entriesOf(parent.none, octant)) | placesOf(parent.childNone, octant);
-  level.deep = (level.leavesAround & entriesOf(parent.coarse, octant)) != 0;
+  level.deep = (leaves & entriesOf(parent.coarse, octant)) != 0;
   level.hanging = verticesTouching(level.coarse);
   level.known = {};
   level.filled = 0;
@@ -550,7 +533,7 @@ BlockEvaluator::Level& BlockEvaluator::withSpecial(
 {
   Level& level = levelAt(path, depth);
   const BlockVertexMask wanted = without(vertices, level.known);
-  if ((wanted[0] | wanted[1]) != 0)
+  if (!isEmpty(wanted))
   {
     // Recursion reaches coarser levels only: this one keeps its node.
     computeSpecial(path, depth, level, wanted, level.special.data());
@@ -565,52 +548,54 @@ void BlockEvaluator::computeSpecial(
   const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept
 {
   const BlockVertexMask hanging = both(wanted, level.hanging);
-  if ((hanging[0] | hanging[1]) != 0)
+  if (!isEmpty(hanging))
   {
     if (!level.deep)
     {
       const int octant = path.octant[depth - 1];
-      const int corner = 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2);
-      const std::uint64_t around = nodeVerticesOf(level.leavesAround);
-      const Level& coarser =
-        withSpecial(path, depth - 1, { around << corner, corner == 0 ? 0 : around >> (64 - corner) });
-      const double* values = coarser.special.data() + corner;
-      // The middle of a child hangs on nothing.
-      for (unsigned axes = 1; axes < 8; ++axes)
-      {
-        forAxes(axes, [&]<unsigned Axes>() noexcept {
-          forEachVertex(both(hanging, tables.verticesOfAxes[Axes]),
-            [&](int vertex) { out[vertex] = halfway<Axes>(values + tables.vertex[vertex].coarser); });
-        });
-      }
+      const Level& parent = levelAt(path, depth - 1);
+      const BlockVertexMask besideLeaves = verticesTouching(~(parent.refined | parent.none));
+      const Level& coarser = withSpecial(path, depth - 1, both(besideLeaves, tables.ofChild[octant]));
+      const double* values =
+        coarser.special.data() + vertexIndex(2 * (octant & 1), octant & 2, octant >> 1 & 2);
+      forAxes([&]<unsigned Axes>() noexcept {
+        if constexpr (Axes != 0) // the middle of a child hangs on nothing
+        {
+          forEachPlace(hanging[Axes], [&](int place) {
+            out[vertexOf(Axes, place)] = halfway<Axes>(values + tables.vertexIn[place] - middleVertex(Axes));
+          });
+        }
+      });
     }
     else
     {
-      forEachVertex(hanging, [&](int vertex) { out[vertex] = hangingDeep(path, depth, level, vertex); });
+      forAxes([&]<unsigned Axes>() noexcept {
+        forEachPlace(hanging[Axes],
+          [&](int place) { out[vertexOf(Axes, place)] = hangingDeep(path, depth, level, Axes, place); });
+      });
     }
   }
   const BlockVertexMask lattice = without(wanted, level.hanging);
-  if ((lattice[0] | lattice[1]) == 0)
+  if (isEmpty(lattice))
   {
     return;
   }
   fill(level, withNeighbours(level.refined | level.none));
-  for (unsigned axes = 0; axes < 8; ++axes)
+  if (level.missing == 0)
   {
-    forAxes(axes, [&]<unsigned Axes>() noexcept {
-      const BlockVertexMask vertices = both(lattice, tables.verticesOfAxes[Axes]);
-      if (level.missing == 0)
-      {
-        forEachVertex(
-          vertices, [&](int vertex) { out[vertex] = onLattice<Axes>(level, tables.vertex[vertex]); });
-      }
-      else
-      {
-        forEachVertex(
-          vertices, [&](int vertex) { out[vertex] = latticeValue<Axes>(level, tables.vertex[vertex]); });
-      }
+    forAxes([&]<unsigned Axes>() noexcept {
+      forEachPlace(
+        lattice[Axes], [&](int place) { out[vertexOf(Axes, place)] = onLattice<Axes>(level, place); });
     });
+    return;
   }
+  forAxes([&]<unsigned Axes>() noexcept {
+    forEachPlace(lattice[Axes], [&](int place) {
+      const bool complete = aroundVertex<Axes>(level.missing >> place) == 0;
+      out[vertexOf(Axes, place)] =
+        complete ? onLattice<Axes>(level, place) : onSparseLattice<Axes>(level, place);
+    });
+  });
 }
 
 /// Of the coarser leaf at a place.
@@ -629,20 +614,23 @@ int BlockEvaluator::leafDepth(const BlockPath& path, int depth, int place) noexc
 }
 
 /// Where leaves may be larger than the node itself.
-double BlockEvaluator::hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept
+double BlockEvaluator::hangingDeep(
+  const BlockPath& path, int depth, const Level& level, unsigned axes, int place) noexcept
 {
-  int coarsest = depth;
-  for (std::uint64_t rest = tables.vertex[vertex].places & level.coarse; rest != 0; rest &= rest - 1)
+  std::uint64_t around = 1;
+  for (int a = 0; a < 3; ++a)
   {
-    coarsest = std::min(coarsest, leafDepth(path, depth, std::countr_zero(rest)));
+    around |= axes >> a & 1 ? around << (1 << 2 * a) : 0;
   }
+  int coarsest = depth;
+  forEachPlace(level.coarse & around << place,
+    [&](int coarse) { coarsest = std::min(coarsest, leafDepth(path, depth, coarse)); });
   const int up = depth + 1 - coarsest;
+  const int vertex = vertexOf(axes, place);
   const std::array<int, 3> at{ vertex % 5, vertex / 5 % 5, vertex / 25 };
-  constexpr std::array<int, 3> stride{ 1, 5, 25 };
-  int base = 0;
-  int hangs = 0;
-  std::array<int, 3> strideOf{};
+  std::array<int, 3> first{};
   std::array<double, 3> fraction{};
+  unsigned hangs = 0; // mask of axes
   for (int a = 0; a < 3; ++a)
   {
     // In half widths of the children, then of the children of the coarsest leaf's parent; from its corner.
@@ -653,28 +641,31 @@ double BlockEvaluator::hangingDeep(const BlockPath& path, int depth, const Level
     }
     position = 4 * position + at[a];
     const Coord floor = position >> up;
-    base += stride[a] * static_cast<int>(floor);
     const Coord rest = position - (floor << up);
-    if (rest != 0)
-    {
-      fraction[hangs] = static_cast<double>(rest) / static_cast<double>(Coord(1) << up);
-      strideOf[hangs++] = stride[a];
-    }
+    first[a] = static_cast<int>(floor);
+    fraction[a] = static_cast<double>(rest) / static_cast<double>(Coord(1) << up);
+    hangs |= static_cast<unsigned>(rest != 0) << a;
   }
   double sum = 0.;
-  for (int corner = 0; corner < 1 << hangs; ++corner)
+  for (unsigned corner = 0; corner < 8; ++corner)
   {
-    double weight = 1.;
-    int v = base;
-    for (int d = 0; d < hangs; ++d)
+    if ((corner & ~hangs) != 0)
     {
-      const bool upper = corner >> d & 1;
-      weight *= upper ? fraction[d] : 1. - fraction[d];
-      v += upper ? strideOf[d] : 0;
+      continue;
+    }
+    double weight = 1.;
+    std::array<int, 3> v = first;
+    unsigned between = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = corner >> a & 1;
+      weight *= upper ? fraction[a] : 1. - fraction[a];
+      v[a] += upper ? 1 : 0;
+      between |= static_cast<unsigned>(v[a] % 2 == 0) << a;
     }
     BlockVertexMask one{};
-    add(one, v);
-    sum += weight * withSpecial(path, coarsest - 1, one).special[v];
+    one[between] = std::uint64_t(1) << placeIndex((v[0] + 1) / 2, (v[1] + 1) / 2, (v[2] + 1) / 2);
+    sum += weight * withSpecial(path, coarsest - 1, one).special[vertexIndex(v[0], v[1], v[2])];
   }
   return sum;
 }
@@ -753,8 +744,10 @@ void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValue
     // The middle of a drawn child stands in for what is not drawn, so that the hull is that of the rest.
     const int octant = std::countr_zero(drawn_);
     const float drawn = block.values[31 + 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2)];
-    const BlockVertexMask all{ ~std::uint64_t(0), (std::uint64_t(1) << (125 - 64)) - 1 };
-    forEachVertex(without(all, verticesOf(drawn_)), [&](int vertex) { block.values[vertex] = drawn; });
+    const BlockVertexMask others = without(verticesOf(0xff), verticesOf(drawn_));
+    forAxes([&]<unsigned Axes>() noexcept {
+      forEachPlace(others[Axes], [&](int place) { block.values[vertexOf(Axes, place)] = drawn; });
+    });
     block.range = hull(block.values);
   }
 }

@@ -36,8 +36,9 @@ struct BlockPath
   void ascend() noexcept { --depth; }
 };
 
-/// Bit v & 63 of word v >> 6: vertex v of a block.
-using BlockVertexMask = std::array<std::uint64_t, 2>;
+/// Vertices of a block by the mask of axes along which they lie between its places (see BlockEvaluator::Level): the
+/// bit of the first place around each.
+using BlockVertexMask = std::array<std::uint64_t, 8>;
 
 enum class BlockCells
 {
@@ -71,15 +72,13 @@ private:
   struct Level
   {
     std::uint64_t node = noNode;
-    std::uint64_t refined; // inner nodes,
-    std::uint64_t mixed;   // of these, not all of whose children are leaves,
-    std::uint64_t coarse;  // parts of coarser leaves,
-    std::uint64_t none;    // places without a cell,
-    std::uint64_t missing; // and these with cells of which a child that matters is missing
-    std::uint64_t filled;  // places whose childValue is known
-    /// Leaves among the node and its neighbours of its size: 3 x 3 x 3 of them, x + 4 y + 16 z.
-    std::uint64_t leavesAround;
-    bool deep;               // some of these are coarser than the node
+    std::uint64_t refined;   // inner nodes,
+    std::uint64_t mixed;     // of these, not all of whose children are leaves,
+    std::uint64_t coarse;    // parts of coarser leaves,
+    std::uint64_t none;      // places without a cell,
+    std::uint64_t missing;   // and these with cells of which a child that matters is missing
+    std::uint64_t filled;    // places whose childValue is known
+    bool deep;               // some of the coarse are coarser than the node
     BlockVertexMask hanging; // vertices that touch the coarse
     BlockVertexMask known;   // of
     std::array<double, 125> special;
@@ -101,7 +100,7 @@ private:
   void computeSpecial(
     const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
   int leafDepth(const BlockPath& path, int depth, int place) noexcept;
-  double hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept;
+  double hangingDeep(const BlockPath& path, int depth, const Level& level, unsigned axes, int place) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
 
   const Field& field_;
