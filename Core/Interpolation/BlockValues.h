@@ -4,6 +4,7 @@
 // 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node.
 #pragma once
 
+#include "Interpolation/BlockLattice.h"
 #include "Octree/Field.h"
 
 #include <array>
@@ -36,10 +37,6 @@ struct BlockPath
   void ascend() noexcept { --depth; }
 };
 
-/// Vertices of a block by the mask of axes along which they lie between its places (see BlockEvaluator::Level): the
-/// bit of the first place around each.
-using BlockVertexMask = std::array<std::uint64_t, 8>;
-
 enum class BlockCells
 {
   Leaves, // the leaves among the children
@@ -67,20 +64,20 @@ public:
   Range bounds(const BlockPath& path) noexcept;
 
 private:
-  /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, what their children
-  /// are, and the vertices that are not plain means of them. Masks have a bit per place.
+  /// The places in and around an inner node, x + 4 y + 16 z, what their children are, and the vertices that are not
+  /// plain means of them (see BlockLattice.h). Masks have a bit per place.
   struct Level
   {
     std::uint64_t node = noNode;
-    std::uint64_t refined;   // inner nodes,
-    std::uint64_t mixed;     // of these, not all of whose children are leaves,
-    std::uint64_t coarse;    // parts of coarser leaves,
-    std::uint64_t none;      // places without a cell,
-    std::uint64_t missing;   // and these with cells of which a child that matters is missing
-    std::uint64_t filled;    // places whose childValue is known
-    bool deep;               // some of the coarse are coarser than the node
-    BlockVertexMask hanging; // vertices that touch the coarse
-    BlockVertexMask known;   // of
+    std::uint64_t refined;     // inner nodes,
+    std::uint64_t mixed;       // of these, not all of whose children are leaves,
+    std::uint64_t coarse;      // parts of coarser leaves,
+    std::uint64_t none;        // places without a cell,
+    std::uint64_t missing;     // and these with cells of which a child that matters is missing
+    std::uint64_t filled;      // places whose childValue is known
+    bool deep;                 // some of the coarse are coarser than the node
+    block::VertexMask hanging; // vertices that touch the coarse
+    block::VertexMask known;   // of
     std::array<double, 125> special;
     std::array<double, 72> value; // of leaves of any size, means of the refined; the last eight: room
     std::array<Octree::Children, 64> children; // of the refined
@@ -96,9 +93,9 @@ private:
   void open(const Level* parent, int octant, Level& level) const noexcept;
   void fill(Level& level, std::uint64_t places) const noexcept;
   Level& levelAt(const BlockPath& path, int depth) noexcept;
-  Level& withSpecial(const BlockPath& path, int depth, const BlockVertexMask& vertices) noexcept;
+  Level& withSpecial(const BlockPath& path, int depth, const block::VertexMask& vertices) noexcept;
   void computeSpecial(
-    const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
+    const BlockPath& path, int depth, Level& level, const block::VertexMask& wanted, double* out) noexcept;
   int leafDepth(const BlockPath& path, int depth, int place) noexcept;
   double hangingDeep(const BlockPath& path, int depth, const Level& level, unsigned axes, int place) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
