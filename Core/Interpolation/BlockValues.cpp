@@ -170,9 +170,7 @@ void BlockEvaluator::open(const Level* parent, int octant, Level& level) const n
   const float* leaves = field_.leafValues().data();
   const float* means = field_.innerMeans().data();
   std::uint64_t mixed = 0;
-  for (std::uint64_t rest = level.refined; rest != 0; rest &= rest - 1)
-  {
-    const int place = std::countr_zero(rest);
+  forEachPlace(level.refined, [&](int place) {
     std::uint64_t inner = 0;
     if (parent)
     {
@@ -190,7 +188,7 @@ void BlockEvaluator::open(const Level* parent, int octant, Level& level) const n
     mixed |= static_cast<std::uint64_t>(!children.allLeaves()) << place;
     prefetch(leaves + children.firstLeaf);
     prefetch(children.allLeaves() ? leaves + children.firstLeaf + 7 : means + children.firstInner);
-  }
+  });
   level.mixed = mixed;
 }
 
@@ -205,32 +203,23 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
   level.filled |= places;
   const float* leaves = field_.leafValues().data();
   const float* means = field_.innerMeans().data();
-  for (std::uint64_t rest = places & ~level.refined; rest != 0; rest &= rest - 1)
-  {
-    const int place = std::countr_zero(rest);
+  forEachPlace(places & ~level.refined, [&](int place) {
     double* values = level.childValue.data() + firstChild(place);
     for (int o = 0; o < 8; ++o)
     {
       values[stepAlong(7, o)] = level.value[place];
     }
-  }
-  for (std::uint64_t rest = places & level.none; rest != 0; rest &= rest - 1)
-  {
-    addChildren(level.childNone, std::countr_zero(rest), 0xff);
-  }
-  for (std::uint64_t rest = places & level.refined & ~level.mixed; rest != 0; rest &= rest - 1)
-  {
-    const int place = std::countr_zero(rest);
+  });
+  forEachPlace(places & level.none, [&](int place) { addChildren(level.childNone, place, 0xff); });
+  forEachPlace(places & level.refined & ~level.mixed, [&](int place) {
     const float* leaf = leaves + level.children[place].firstLeaf;
     double* values = level.childValue.data() + firstChild(place);
     for (int o = 0; o < 8; ++o)
     {
       values[stepAlong(7, o)] = leaf[o];
     }
-  }
-  for (std::uint64_t rest = places & level.mixed; rest != 0; rest &= rest - 1)
-  {
-    const int place = std::countr_zero(rest);
+  });
+  forEachPlace(places & level.mixed, [&](int place) {
     const Octree::Children& children = level.children[place];
     double* values = level.childValue.data() + firstChild(place);
     addChildren(level.childInner, place, children.inner());
@@ -247,7 +236,7 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
         leaf += isLeaf;
         mean += 1 - isLeaf;
       }
-      continue;
+      return;
     }
     for (int o = 0; o < 8; ++o)
     {
@@ -257,7 +246,7 @@ void BlockEvaluator::fill(Level& level, std::uint64_t places) const noexcept
     addChildren(level.childNone, place, 0xff & ~children.exists);
     const unsigned wanted = tables.childrenOfPlace[place];
     level.missing |= static_cast<std::uint64_t>((wanted & ~children.exists) != 0) << place;
-  }
+  });
 }
 
 /// Of the path's node at a depth.
@@ -463,20 +452,15 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
     high = value > high ? value : high;
   };
   // Of refined ones the means: vertices of the node's own level see these.
-  for (std::uint64_t rest = ~level.none; rest != 0; rest &= rest - 1)
-  {
-    add(level.value[std::countr_zero(rest)]);
-  }
-  for (std::uint64_t rest = level.refined; rest != 0; rest &= rest - 1)
-  {
-    const int place = std::countr_zero(rest);
+  forEachPlace(~level.none, [&](int place) { add(level.value[place]); });
+  forEachPlace(level.refined, [&](int place) {
     const double* values = level.childValue.data() + firstChild(place);
     unsigned touching = tables.childrenOfPlace[place] & level.children[place].exists;
     for (; touching != 0; touching &= touching - 1)
     {
       add(values[stepAlong(7, std::countr_zero(touching))]);
     }
-  }
+  });
   return { static_cast<float>(low), static_cast<float>(high) };
 }
 

@@ -81,7 +81,7 @@ private:
     std::array<double, 125> special;
     std::array<double, 72> value; // of leaves of any size, means of the refined; the last eight: room
     std::array<Octree::Children, 64> children; // of the refined
-    /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own. Those on the rim may be missing.
+    /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own, 0 where there is no cell.
     std::array<double, 512> childValue;
     std::array<std::uint64_t, 8> childInner; // masks by z: refined ones of refined places,
     std::array<std::uint64_t, 8> childNone;  // no cell
@@ -102,7 +102,7 @@ private:
 
   const Field& field_;
   const Octree& octree_;
-  std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node: the first is of what is above the root
+  std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node; the first: above the root
   Level byMeans_;
   unsigned drawn_;                 // children whose vertices are wanted
   std::array<double, 128> values_; // 125 and room
