@@ -4,6 +4,7 @@
 // 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node.
 #pragma once
 
+#include "Interpolation/BlockLattice.h"
 #include "Octree/Field.h"
 
 #include <array>
@@ -36,9 +37,6 @@ struct BlockPath
   void ascend() noexcept { --depth; }
 };
 
-/// Bit v & 63 of word v >> 6: vertex v of a block.
-using BlockVertexMask = std::array<std::uint64_t, 2>;
-
 enum class BlockCells
 {
   Leaves, // the leaves among the children
@@ -55,8 +53,9 @@ public:
     : field_(field)
     , octree_(field.octree())
     , levels_(
-        std::make_unique_for_overwrite<Level[]>(octree_.grid().paddingDepth() + octree_.leafLevels() + 1))
+        std::make_unique_for_overwrite<Level[]>(octree_.grid().paddingDepth() + octree_.leafLevels() + 2))
   {
+    startAboveRoot();
   }
   /// Needs a drawn child.
   void compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept;
@@ -67,46 +66,48 @@ public:
   Range bounds(const BlockPath& path) noexcept;
 
 private:
-  /// The 4 x 4 x 4 places of the children's size in and around an inner node, x + 4 y + 16 z, and the vertices
-  /// that are not plain means of them.
+  /// The places in and around an inner node, x + 4 y + 16 z, what their children are, and the vertices that are not
+  /// plain means of them (see BlockLattice.h). Masks have a bit per place.
   struct Level
   {
-    std::uint64_t node = ~std::uint64_t(0);
-    std::uint64_t refined;        // masks: inner nodes,
-    std::uint64_t coarse;         // parts of coarser leaves,
-    std::uint64_t none;           // places without a cell,
-    std::uint64_t missing;        // and these with cells of which a child that matters is missing
-    bool hasChildValues;          // of the refined,
-    bool hasLeaves;               // and of the leaves beside them
-    std::array<double, 64> value; // of leaves of any size, means of the refined
-    std::array<Octree::Children, 64> children;        // of the refined
-    std::array<std::array<double, 8>, 64> childValue; // of those children that touch the node's vertices
-    std::array<std::uint8_t, 64> childExists;
-    std::array<std::uint8_t, 64> depth; // of the coarse
-    std::uint32_t coarseEntries;        // their mask in the node's neighbourhood
-    int coarsest;                       // depth of the coarsest, or the node's own
-    BlockVertexMask hanging;            // vertices that touch the coarse
-    BlockVertexMask known;              // of
+    std::uint64_t node = noNode;
+    std::uint64_t refined;     // inner nodes,
+    std::uint64_t mixed;       // of these, not all of whose children are leaves,
+    std::uint64_t coarse;      // parts of coarser leaves,
+    std::uint64_t none;        // places without a cell,
+    std::uint64_t missing;     // and these with cells of which a child that matters is missing
+    std::uint64_t filled;      // places whose childValue is known
+    bool deep;                 // some of the coarse are coarser than the node
+    block::VertexMask hanging; // vertices that touch the coarse
+    block::VertexMask known;   // of
     std::array<double, 125> special;
+    std::array<double, 72> value; // of leaves of any size, means of the refined; the last eight: room
+    std::array<Octree::Children, 64> children; // of the refined
+    /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own, 0 where there is no cell.
+    std::array<double, 512> childValue;
+    std::array<std::uint64_t, 8> childInner; // masks by z: refined ones of refined places,
+    std::array<std::uint64_t, 8> childNone;  // no cell
   };
+  static constexpr std::uint64_t noNode = ~std::uint64_t(0);
 
-  void gather(const BlockPath& path, int depth, const Level* parent, Level& level) const noexcept;
-  void gatherChildValues(Level& level) const noexcept;
-  void fillLeaves(Level& level) const noexcept;
+  void startAboveRoot() noexcept;
+  void gather(const BlockPath& path, int depth, Level& level) noexcept;
+  void open(const Level* parent, int octant, Level& level) const noexcept;
+  void fill(Level& level, std::uint64_t places) const noexcept;
   Level& levelAt(const BlockPath& path, int depth) noexcept;
-  Level& withSpecial(const BlockPath& path, int depth, const BlockVertexMask& vertices) noexcept;
+  Level& withSpecial(const BlockPath& path, int depth, const block::VertexMask& vertices) noexcept;
   void computeSpecial(
-    const BlockPath& path, int depth, Level& level, const BlockVertexMask& wanted, double* out) noexcept;
-  double hangingDeep(const BlockPath& path, int depth, const Level& level, int vertex) noexcept;
-  void uniformValues(const Level& level) noexcept;
+    const BlockPath& path, int depth, Level& level, const block::VertexMask& wanted, double* out) noexcept;
+  int leafDepth(const BlockPath& path, int depth, int place) noexcept;
+  double hangingDeep(const BlockPath& path, int depth, const Level& level, unsigned axes, int place) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
 
   const Field& field_;
   const Octree& octree_;
-  std::unique_ptr<Level[]> levels_; // by depth of the inner node
+  std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node; the first: above the root
   Level byMeans_;
-  unsigned drawn_; // children whose vertices are wanted
-  std::array<double, 125> values_;
+  unsigned drawn_;                 // children whose vertices are wanted
+  std::array<double, 128> values_; // 125 and room
 };
 
 } // namespace treeamr

@@ -26,6 +26,9 @@ public:
     return node.isLeaf() ? values_[node.index()] : meanBase_ + means_[node.index()];
   }
   const std::vector<float>& leafValues() const noexcept { return values_; }
+  /// The inner nodes' means less meanBase().
+  const std::vector<float>& innerMeans() const noexcept { return means_; }
+  double meanBase() const noexcept { return meanBase_; }
 
   /// Hull of the leaves' values, which also bounds the reconstructed field; {0, 0} without cells.
   Range range() const noexcept { return range_; }
@@ -51,7 +54,7 @@ private:
 
   std::shared_ptr<const Octree> octree_;
   std::vector<float> values_;
-  std::vector<float> means_; // less meanBase_
+  std::vector<float> means_;
   // Where the values' offset is larger than their range, means are rounded to the range's digits, not the offset's.
   double meanBase_ = 0.;
   std::vector<RangeCode> rangeCodes_;

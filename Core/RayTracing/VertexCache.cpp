@@ -1,5 +1,7 @@
 #include "RayTracing/VertexCache.h"
 
+#include "Interpolation/BlockKernel.h"
+
 #include <algorithm>
 #include <limits>
 #include <new>
@@ -9,17 +11,7 @@ namespace treeamr
 
 BlockRecord::BlockRecord(const BlockValues& block) noexcept
 {
-  const float width = block.range.max - block.range.min;
-  const float scale = width > 0.f ? steps / width : 0.f;
-  const float* from = block.values.data();
-  std::uint16_t* to = values.data();
-  for (int i = 0; i < 125; ++i)
-  {
-    // Through a signed 32-bit integer, the conversion that compilers vectorise.
-    const float step = (from[i] - block.range.min) * scale + 0.5f;
-    to[i] = static_cast<std::uint16_t>(static_cast<std::int32_t>(step < steps ? step : steps));
-  }
-  to[125] = to[126] = to[127] = 0;
+  quantise(block.values, block.range, steps, values);
 }
 
 VertexCache::VertexCache(const Octree& octree, std::size_t budgetBytes)
@@ -83,8 +75,7 @@ void VertexCache::prepareMeans()
   meanSlots_ = Slots(slots_.size());
 }
 
-const BlockRecord* VertexCache::Writer::keep(
-  std::uint64_t inner, BlockCells cells, const BlockRecord& record, Range range)
+const BlockRecord* VertexCache::Writer::keep(std::uint64_t inner, BlockCells cells, const BlockValues& block)
 {
   Slots& slots = cells == BlockCells::Leaves ? cache_.slots_ : cache_.meanSlots_;
   if (slots.empty())
@@ -102,9 +93,8 @@ const BlockRecord* VertexCache::Writer::keep(
     end_ = (next_ / chunkRecords + 1) * chunkRecords;
   }
   Chunk& chunk = *cache_.chunks_[next_ / chunkRecords].load(std::memory_order_relaxed);
-  BlockRecord* kept = &chunk.records[next_ % chunkRecords];
-  *kept = record;
-  chunk.ranges[next_ % chunkRecords] = range;
+  const BlockRecord* kept = new (&chunk.records[next_ % chunkRecords]) BlockRecord(block);
+  chunk.ranges[next_ % chunkRecords] = block.range;
   slots[inner].store(next_++, std::memory_order_release);
   return kept;
 }

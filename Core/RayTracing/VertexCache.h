@@ -64,8 +64,8 @@ public:
       : cache_(cache)
     {
     }
-    /// Keeps the block of an inner node; null when the budget is used up.
-    const BlockRecord* keep(std::uint64_t inner, BlockCells cells, const BlockRecord& record, Range range);
+    /// Keeps the block of an inner node; null when the budget is used up. Its hull's width must be finite.
+    const BlockRecord* keep(std::uint64_t inner, BlockCells cells, const BlockValues& block);
 
   private:
     VertexCache& cache_;

@@ -484,7 +484,7 @@ private:
     {
       if (!found.record)
       {
-        writer_.keep(node, cells, BlockRecord(values_), range);
+        writer_.keep(node, cells, values_);
       }
       return false;
     }
@@ -507,9 +507,13 @@ private:
         pointSampleTolerance;
     if (!found.record)
     {
-      record_ = BlockRecord(values_);
-      const BlockRecord* kept = writer_.keep(node, cells, record_, range);
-      block.steps = (kept ? kept : &record_)->values.data();
+      const BlockRecord* kept = writer_.keep(node, cells, values_);
+      if (!kept)
+      {
+        record_ = BlockRecord(values_);
+        kept = &record_;
+      }
+      block.steps = kept->values.data();
     }
     if (isCoarse(block.toTable))
     {

@@ -5,9 +5,9 @@
 #include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/RandomTrees.h"
+#include "Support/Targets.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 
@@ -69,22 +69,6 @@ std::vector<View> views()
     { "parallel", multiply(parallel(1.9, 0.1, 20.), lookAt({ 4., 3., 3.5 }, middle)) },
     { "along an axis",
       multiply(parallel(1.2, 0.1, 20.), { 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -5, 0, 0, 0, 1 }) } };
-}
-
-/// Calls f for each instruction set that the kernel was compiled for and this machine has.
-template <class F>
-void forEachTarget(const F& f)
-{
-  std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
-  for (; targets != 0; targets &= targets - 1)
-  {
-    const std::int64_t target = targets & -targets;
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(target);
-    f(hwy::TargetName(target));
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 float largestDifference(const Image& a, const Image& b)
