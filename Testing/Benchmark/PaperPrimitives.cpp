@@ -66,8 +66,14 @@ bool contains(Range range, float isovalue) noexcept
 
 bool isActive(const std::array<float, 8>& values, float isovalue) noexcept
 {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return contains({ *low, *high }, isovalue);
+  unsigned low = 0; // counts, which vectorise
+  unsigned high = 0;
+  for (const float v : values)
+  {
+    low += v <= isovalue;
+    high += v >= isovalue;
+  }
+  return low != 0 && high != 0;
 }
 
 /// Places 4 x 4 x 4 of the size of an inner node's children, in and around it; x + 4 y + 16 z.
