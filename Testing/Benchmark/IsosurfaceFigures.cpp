@@ -20,7 +20,7 @@ PaperCost measurePaper(const Field& field, float isovalue, Extraction extraction
 {
   Primitives found;
   const Seconds seconds =
-    best([&] { found = {}; }, [&] { found = extractPrimitives(field, isovalue, extraction); });
+    best([&] { found = {}; }, [&] { found = extractPrimitives(field, isovalue, extraction); }, 1);
   return { seconds, found.primitives.size() };
 }
 
@@ -48,8 +48,8 @@ RayTracerCost measureRayTracer(
   const auto forget = [&] { surface.reset(); };
   const auto construct = [&] { surface = std::make_unique<Isosurface>(field, isovalue); };
   const auto render = [&] { surface->render(camera, hits); };
-  cost.construction = best(forget, construct);
-  cost.coldFrame = best(construct, render);
+  cost.construction = best(forget, construct, 1);
+  cost.coldFrame = measure(render);
   cost.frame = best(render);
   cost.primitives = static_cast<double>(surface->primitiveCount());
   const auto with = static_cast<double>(residentBytes());
