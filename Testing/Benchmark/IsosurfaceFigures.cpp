@@ -61,17 +61,18 @@ RayTracerCost measureRayTracer(
 } // namespace
 
 std::vector<Figure> isosurfaceFigures(
-  const std::shared_ptr<const Field>& field, float isovalue, const Camera& camera)
+  const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera)
 {
+  const auto value = static_cast<float>(isovalue);
   const auto cells = static_cast<double>(field->octree().leafCount());
-  const PaperCost naive = measurePaper(*field, isovalue, Extraction::Naive);
-  const PaperCost dualCells = measurePaper(*field, isovalue, Extraction::DualCells);
-  const PaperCost filtered = measurePaper(*field, isovalue, Extraction::Filtered);
-  const RayTracerCost own = measureRayTracer(field, isovalue, camera);
+  const PaperCost naive = measurePaper(*field, value, Extraction::Naive);
+  const PaperCost dualCells = measurePaper(*field, value, Extraction::DualCells);
+  const PaperCost filtered = measurePaper(*field, value, Extraction::Filtered);
+  const RayTracerCost own = measureRayTracer(field, value, camera);
   return {
     { "isovalue", isovalue, "isovalue", 2 },
     { "cells", cells, "cells" },
-    { "active_percent", activePercent(*field, isovalue), "active %", 2 },
+    { "active_percent", activePercent(*field, value), "active %", 2 },
     { "naive_cpu_s", naive.extraction.cpu, "naive", 4 },
     { "opt1_cpu_s", dualCells.extraction.cpu, "opt. 1", 4 },
     { "opt2_cpu_s", filtered.extraction.cpu, "opt. 2", 4 },
@@ -86,12 +87,13 @@ std::vector<Figure> isosurfaceFigures(
   };
 }
 
-std::vector<Figure> activityFigures(const Field& field, float isovalue)
+std::vector<Figure> activityFigures(const Field& field, double isovalue)
 {
-  const PaperCost filtered = measurePaper(field, isovalue, Extraction::Filtered);
+  const auto value = static_cast<float>(isovalue);
+  const PaperCost filtered = measurePaper(field, value, Extraction::Filtered);
   return {
     { "isovalue", isovalue, "isovalue", 3 },
-    { "active_percent", activePercent(field, isovalue), "active %", 2 },
+    { "active_percent", activePercent(field, value), "active %", 2 },
     { "opt2_cpu_s", filtered.extraction.cpu, "opt. 2", 3 },
     { "opt2_wall_s", filtered.extraction.wall, "wall s", 3 },
     { "opt2_primitives", static_cast<double>(filtered.primitives), "with dual" },

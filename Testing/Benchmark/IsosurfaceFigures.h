@@ -12,9 +12,9 @@ namespace treeamr::bench
 
 /// The paper's table 2, and what the ray tracer takes.
 std::vector<Figure> isosurfaceFigures(
-  const std::shared_ptr<const Field>& field, float isovalue, const Camera& camera);
+  const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera);
 
 /// The paper's figure 14: filtered extraction over the share of active cells.
-std::vector<Figure> activityFigures(const Field& field, float isovalue);
+std::vector<Figure> activityFigures(const Field& field, double isovalue);
 
 } // namespace treeamr::bench

@@ -57,11 +57,10 @@ TransferFunction sheetTransferFunction()
 
 std::vector<Scene> makeScenes()
 {
-  return { { "mandelbulb-0.3M", mandelbulbTransferFunction(), 0.9f, {} },
-    { "mandelbulb-2.6M", mandelbulbTransferFunction(), 0.9f, {} },
-    { "mandelbulb-20M", mandelbulbTransferFunction(), 0.9f,
-      { 0.15f, 0.2f, 0.25f, 0.3f, 0.35f, 0.4f, 0.5f, 0.7f } },
-    { "sheet-23M", sheetTransferFunction(), 0.5f, {} } };
+  return { { "mandelbulb-0.3M", mandelbulbTransferFunction(), 0.9, {} },
+    { "mandelbulb-2.6M", mandelbulbTransferFunction(), 0.9, {} },
+    { "mandelbulb-20M", mandelbulbTransferFunction(), 0.9, { 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.7 } },
+    { "sheet-23M", sheetTransferFunction(), 0.5, {} } };
 }
 
 Camera makeCamera()

@@ -19,8 +19,8 @@ struct Scene
 {
   std::string name; // the forest is in <folder>/<name>.p8est
   TransferFunction transferFunction;
-  float isovalue;
-  std::vector<float> moreIsovalues; // from few active cells to many
+  double isovalue;
+  std::vector<double> moreIsovalues; // from few active cells to many
 };
 
 /// From few cells to many.

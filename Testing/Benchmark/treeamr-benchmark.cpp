@@ -256,7 +256,7 @@ void runIsosurface(const Options& options, Report& report, Report& activity)
   {
     Forest forest = makeSyntheticForest();
     const auto field = buildField(forest.roots, std::move(forest.cells));
-    report.add({ syntheticName, isosurfaceFigures(field, 6.5f, camera) });
+    report.add({ syntheticName, isosurfaceFigures(field, 6.5, camera) });
   }
   for (const Scene& scene : makeScenes())
   {
@@ -267,7 +267,7 @@ void runIsosurface(const Options& options, Report& report, Report& activity)
     Forest forest = readForest(options.folder + "/" + scene.name + ".p8est");
     const auto field = buildField(forest.roots, std::move(forest.cells));
     report.add({ scene.name, isosurfaceFigures(field, scene.isovalue, camera) });
-    for (const float isovalue : scene.moreIsovalues)
+    for (const double isovalue : scene.moreIsovalues)
     {
       activityRows.push_back({ scene.name, activityFigures(*field, isovalue) });
     }
