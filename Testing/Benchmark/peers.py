@@ -49,8 +49,10 @@ SURFACE_ROUTES = {
     "isosurface-grid": "Contour of the grid",
     "isosurface-hexes": "hexes, Contour",
 }
+# By the start of the data set's name.
+ISOVALUES = {"sphere": 0.3, "mandelbulb": 0.9, "sheet": 0.5}
 # Of eight trees: ParaView 5.11's Contour finds nothing in a grid of one.
-ISOVALUES = {"sphere-0.3M": 0.3, "mandelbulb-2.6M-8": 0.9}
+SURFACE_DATASETS = ["sphere-0.3M", "mandelbulb-2.6M-8"]
 
 
 @dataclasses.dataclass
@@ -65,7 +67,7 @@ class Part:
 PARTS = {
     "volume": Part("peers", ROUTES, DEFAULT_ROUTES, ["mandelbulb-0.3M", "mandelbulb-2.6M"],
                    [("dB", "psnr_db", ".1f")]),
-    "isosurface": Part("isosurface_peers", SURFACE_ROUTES, list(SURFACE_ROUTES), list(ISOVALUES), [
+    "isosurface": Part("isosurface_peers", SURFACE_ROUTES, list(SURFACE_ROUTES), SURFACE_DATASETS, [
         ("polygons", "polygons", "d"), ("open", "open_edges", "d"),
         ("seen max", "seen_distance_max", ".1e"), ("mean", "seen_distance_mean", ".1e"),
         ("mesh max", "mesh_distance_max", ".1e"), ("mean", "mesh_distance_mean", ".1e")]),
@@ -190,7 +192,7 @@ def sphere_distances(points, name):
     """From the isosurface of sphere-0.3M."""
     import numpy
 
-    distances = abs(numpy.linalg.norm(points - 0.5, axis=1) - ISOVALUES["sphere-0.3M"])
+    distances = abs(numpy.linalg.norm(points - 0.5, axis=1) - ISOVALUES["sphere"])
     return {f"{name}_distance_max": float(distances.max()), f"{name}_distance_mean": float(distances.mean())}
 
 
@@ -201,7 +203,7 @@ def surface_figures(view, dataset, source):
     figures = {"polygons": mesh.GetNumberOfPolys(), "open_edges": open_edges(mesh)} if mesh else {}
     if dataset == "sphere-0.3M":
         figures.update(sphere_distances(seen_points(view), "seen"))
-        if mesh:
+        if mesh and mesh.GetNumberOfPoints() > 0:
             figures.update(sphere_distances(vtk_to_numpy(mesh.GetPoints().GetData()), "mesh"))
     return figures
 
@@ -245,7 +247,7 @@ def measure(folder, dataset, route):
         path = folder / (dataset + ".p8est")
         reader = simple.TreeAMRP4estReader(FileName=str(path), Payload="double value")
         if route in SURFACE_ROUTES:
-            mesh_source = show_surface(route, reader, view, ISOVALUES[dataset])
+            mesh_source = show_surface(route, reader, view, ISOVALUES[dataset.split("-")[0]])
         else:
             set_transfer_function(show_volume(route, reader, view), dataset)
         simple.Render(view)
