@@ -57,13 +57,16 @@ $(BENCH)/mandelbulb-0.3M.p8est: REFINEMENT = 4 7 0.05
 $(BENCH)/mandelbulb-2.6M.p8est: REFINEMENT = 4 9 0.55
 $(BENCH)/mandelbulb-20M.p8est: REFINEMENT = 4 10 0.40
 $(BENCH)/sheet-23M.p8est: REFINEMENT = 4 10 0.035 sheet
+$(BENCH)/sphere-0.3M.p8est: REFINEMENT = 3 6 0.05 sphere 2
+$(BENCH)/mandelbulb-2.6M-8.p8est: REFINEMENT = 3 8 0.55 mandelbulb 2
 $(BENCH)/%.p8est: | build
 	mkdir -p $(BENCH)
 	$(BUILD)/bin/treeamr-demo-forest $@.part $(REFINEMENT)
 	mv $@.part $@
 
-# The same pictures by ParaView's own routes, a quarter of an hour on two cores.
-bench-vs: bench
+# The same pictures and isosurfaces by ParaView's own routes, twenty minutes on two cores.
+PEER_FORESTS = sphere-0.3M mandelbulb-2.6M-8
+bench-vs: bench $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH)
 
 install: build

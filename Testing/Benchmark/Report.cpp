@@ -44,7 +44,7 @@ void Report::add(Row row)
 {
   if (rows_.empty())
   {
-    std::printf("%-*s", nameWidth, "");
+    std::printf("%-*s", nameWidth, key_);
     for (const Figure& f : row.figures)
     {
       if (f.heading)
@@ -67,25 +67,34 @@ void Report::add(Row row)
   rows_.push_back(std::move(row));
 }
 
-void Report::writeJson(const std::string& path) const
+void writeJson(const std::string& path, const std::vector<const Report*>& reports)
 {
   std::ofstream out(path);
-  out << std::setprecision(10) << "{\n  \"machine\": \"" << machine() << "\",\n  \"volume\": [";
-  const char* separator = "\n";
-  for (const Row& row : rows_)
+  out << std::setprecision(10) << "{\n  \"machine\": \"" << machine() << '"';
+  for (const Report* report : reports)
   {
-    out << separator << "    {\"dataset\": \"" << row.dataSet << '"';
-    for (const Figure& f : row.figures)
+    if (report->rows_.empty())
     {
-      if (f.key)
-      {
-        out << ", \"" << f.key << "\": " << f.value;
-      }
+      continue;
     }
-    out << '}';
-    separator = ",\n";
+    out << ",\n  \"" << report->key_ << "\": [";
+    const char* separator = "\n";
+    for (const Row& row : report->rows_)
+    {
+      out << separator << "    {\"dataset\": \"" << row.dataSet << '"';
+      for (const Figure& f : row.figures)
+      {
+        if (f.key)
+        {
+          out << ", \"" << f.key << "\": " << f.value;
+        }
+      }
+      out << '}';
+      separator = ",\n";
+    }
+    out << "\n  ]";
   }
-  out << "\n  ]\n}\n";
+  out << "\n}\n";
   if (!out.flush())
   {
     throw Error(path + ": cannot be written");

@@ -25,13 +25,22 @@ struct Row
 class Report
 {
 public:
+  /// key: of the list in the JSON.
+  explicit Report(const char* key)
+    : key_(key)
+  {
+  }
   /// Prints it. All rows have the same figures.
   void add(Row row);
-  /// Throws Error when the file cannot be written.
-  void writeJson(const std::string& path) const;
 
 private:
+  friend void writeJson(const std::string& path, const std::vector<const Report*>& reports);
+
+  const char* key_;
   std::vector<Row> rows_;
 };
+
+/// Those with rows. Throws Error when the file cannot be written.
+void writeJson(const std::string& path, const std::vector<const Report*>& reports);
 
 } // namespace treeamr::bench

@@ -57,9 +57,10 @@ TransferFunction sheetTransferFunction()
 
 std::vector<Scene> makeScenes()
 {
-  return { { "mandelbulb-0.3M", mandelbulbTransferFunction() },
-    { "mandelbulb-2.6M", mandelbulbTransferFunction() }, { "mandelbulb-20M", mandelbulbTransferFunction() },
-    { "sheet-23M", sheetTransferFunction() } };
+  return { { "mandelbulb-0.3M", mandelbulbTransferFunction(), 0.9, {} },
+    { "mandelbulb-2.6M", mandelbulbTransferFunction(), 0.9, {} },
+    { "mandelbulb-20M", mandelbulbTransferFunction(), 0.9, { 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.7 } },
+    { "sheet-23M", sheetTransferFunction(), 0.5, {} } };
 }
 
 Camera makeCamera()
@@ -93,6 +94,44 @@ Forest readForest(const std::string& path)
     forest.digest.add(value);
   });
   return forest;
+}
+
+Forest makeSyntheticForest()
+{
+  Forest forest;
+  forest.roots = { 4, 4, 4 };
+  const auto add = [&](const CellId& cell) {
+    double product = 1.;
+    for (const Coord i : cell.index)
+    {
+      product *= std::ldexp(static_cast<double>(i) + 0.5, -cell.level);
+    }
+    forest.cells.push_back({ cell, static_cast<float>(product) });
+  };
+  for (Coord i = 0; i < 64; ++i)
+  {
+    const std::array<Coord, 3> root{ i % 4, i / 4 % 4, i / 16 };
+    if (root[0] < 2)
+    {
+      add({ root, 0 });
+      continue;
+    }
+    for (int o = 0; o < 8; ++o)
+    {
+      add({ { 2 * root[0] + (o & 1), 2 * root[1] + (o >> 1 & 1), 2 * root[2] + (o >> 2) }, 1 });
+    }
+  }
+  return forest;
+}
+
+std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells)
+{
+  auto built =
+    buildOctree(RootGrid::uniform(roots, { 0., 0., 0. }, { 1. / roots[0], 1. / roots[1], 1. / roots[2] }),
+      std::move(cells));
+  auto field = std::make_shared<Field>(built.octree, std::move(built.values));
+  field->computeNodeRanges();
+  return field;
 }
 
 } // namespace treeamr::bench

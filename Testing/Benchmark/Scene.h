@@ -2,10 +2,13 @@
 #pragma once
 
 #include "ContentDigest.h"
+#include "Octree/Field.h"
 #include "Octree/OctreeBuilder.h"
 #include "RayTracing/Camera.h"
 #include "RayTracing/TransferFunction.h"
 
+#include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +19,8 @@ struct Scene
 {
   std::string name; // the forest is in <folder>/<name>.p8est
   TransferFunction transferFunction;
+  double isovalue;
+  std::vector<double> moreIsovalues; // from few active cells to many
 };
 
 /// From few cells to many.
@@ -25,13 +30,21 @@ std::vector<Scene> makeScenes();
 /// degrees of vertical view.
 Camera makeCamera();
 
+/// In the unit cube.
 struct Forest
 {
   std::vector<LeafCell> cells;
   ContentDigest digest;
+  std::array<int, 3> roots{ 1, 1, 1 };
 };
 
 /// A forest of one tree with one double per quadrant. Throws Error.
 Forest readForest(const std::string& path);
+/// The paper's synthetic data set without a digest: 4 x 4 x 4 cells, the upper half in x refined once, with x y z
+/// at their centres, where a cell of the coarse ones is 1 wide.
+Forest makeSyntheticForest();
+
+/// With node ranges.
+std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells);
 
 } // namespace treeamr::bench

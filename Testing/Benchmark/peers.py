@@ -1,14 +1,24 @@
-"""Compares ParaView's own ways to a volume rendering of octree data with TreeAMR's: time, memory, error.
+"""Compares ParaView's own ways to a volume rendering and to isosurfaces of octree data with TreeAMR's: time,
+memory, error.
 
-Each route reads the same forest, in a process of its own with a time limit, and draws the pictures of
-treeamr-benchmark: its data sets, camera and transfer functions (see Scene.cpp). PSNR is that of the window's
-8-bit colours against the benchmark's converged picture of the generalized trilinear interpolation, where that
-is in FOLDER. Prints a table, adds the figures to FOLDER/bench.json as "peers", saves FOLDER/peers/*.png.
+Each route reads the same forest, in a process of its own with a time limit. Prints tables, adds the figures
+to FOLDER/bench.json as "peers" and "isosurface_peers", saves FOLDER/peers/*.png.
 
-usage: python3 peers.py FOLDER [--datasets NAME...] [--routes ROUTE...] [--timeout SECONDS]
+Volumes are the pictures of treeamr-benchmark: its data sets, camera and transfer functions (see Scene.cpp).
+PSNR is that of the window's 8-bit colours against the benchmark's converged picture of the generalized
+trilinear interpolation, where that is in FOLDER.
+
+Isosurfaces are seen from the same place. Open edges are those of one polygon alone, away from the domain's
+end. On the data set sphere-0.3M, whose values are distances from the cube's centre, errors are the distances
+from the sphere of radius 0.3 of the points that the pixels show and of the mesh's own points, in edge lengths
+of the domain.
+
+usage: python3 peers.py FOLDER [--part volume|isosurface] [--datasets NAME...] [--routes ROUTE...]
+       [--timeout SECONDS]
 """
 
 import argparse
+import dataclasses
 import json
 import math
 import os
@@ -34,6 +44,35 @@ ROUTES = {
 # Without two that take minutes even for 0.3 million cells; Bunyk also shows what has no opacity (8 dB).
 DEFAULT_ROUTES = [route for route in ROUTES if route not in ("bunyk", "zsweep")]
 
+SURFACE_ROUTES = {
+    "isosurface-treeamr": "Tree AMR Isosurface",
+    "isosurface-grid": "Contour of the grid",
+    "isosurface-hexes": "hexes, Contour",
+}
+# By the start of the data set's name.
+ISOVALUES = {"sphere": 0.3, "mandelbulb": 0.9, "sheet": 0.5}
+# Of eight trees: ParaView 5.11's Contour finds nothing in a grid of one.
+SURFACE_DATASETS = ["sphere-0.3M", "mandelbulb-2.6M-8"]
+
+
+@dataclasses.dataclass
+class Part:
+    key: str  # in bench.json
+    routes: dict
+    default_routes: list
+    default_datasets: list
+    columns: list  # beside those of all: heading, key, format
+
+
+PARTS = {
+    "volume": Part("peers", ROUTES, DEFAULT_ROUTES, ["mandelbulb-0.3M", "mandelbulb-2.6M"],
+                   [("dB", "psnr_db", ".1f")]),
+    "isosurface": Part("isosurface_peers", SURFACE_ROUTES, list(SURFACE_ROUTES), SURFACE_DATASETS, [
+        ("polygons", "polygons", "d"), ("open", "open_edges", "d"),
+        ("seen max", "seen_distance_max", ".1e"), ("mean", "seen_distance_mean", ".1e"),
+        ("mesh max", "mesh_distance_max", ".1e"), ("mean", "mesh_distance_mean", ".1e")]),
+}
+
 
 def transfer_function(dataset):
     """Of Scene.cpp: the end of the values, (value, r, g, b) linear in between, extinction per edge length."""
@@ -47,15 +86,21 @@ def transfer_function(dataset):
 # --- in pvpython: one route ---
 
 
-def show(route, reader, view):
+def hexes_with_point_values(reader):
+    """Values at points that neighbours share make the better pictures and cost little beside the rest."""
+    from paraview import simple
+
+    hexes = simple.HyperTreeGridToUnstructuredGrid(Input=reader)
+    return simple.CellDatatoPointData(Input=simple.CleantoGrid(Input=hexes))
+
+
+def show_volume(route, reader, view):
     """The representation of the route's volume."""
     from paraview import simple
 
     source, kind, array = reader, "Tree AMR Volume", ("CELLS", "value")
     if route != "treeamr":
-        # Values at points that neighbours share make the better pictures and cost little beside the rest.
-        hexes = simple.HyperTreeGridToUnstructuredGrid(Input=reader)
-        source = simple.CellDatatoPointData(Input=simple.CleantoGrid(Input=hexes))
+        source = hexes_with_point_values(reader)
         kind, array = "Volume", ("POINTS", "value")
     if route.startswith("resample"):
         source = simple.ResampleToImage(Input=source, SamplingDimensions=[int(route.split("-")[1])] * 3)
@@ -79,6 +124,88 @@ def set_transfer_function(representation, dataset):
     representation.ScalarOpacityFunction.Points = [
         x for u in values for x in (u, 1 - math.exp(-extinction(u) * unit), 0.5, 0)]
     representation.ScalarOpacityUnitDistance = unit
+
+
+def show_surface(route, reader, view, isovalue):
+    """The source of the route's mesh; None where there is none."""
+    from paraview import simple
+
+    source, kind = reader, "Tree AMR Isosurface"
+    if route != "isosurface-treeamr":
+        if route == "isosurface-hexes":
+            source = hexes_with_point_values(reader)
+        array = ["POINTS" if route == "isosurface-hexes" else "CELLS", "value"]
+        source = simple.Contour(Input=source, ContourBy=array, Isosurfaces=[isovalue])
+        kind = "Surface"
+    representation = simple.Show(source, view)
+    representation.ColorArrayName = [None, ""]
+    representation.SetRepresentationType(kind)
+    representation.DiffuseColor = representation.AmbientColor = [0.85, 0.8, 0.7]
+    if source is not reader:
+        return source
+    representation.Isovalue = isovalue
+    return None
+
+
+def open_edges(mesh):
+    """How many edges of a vtkPolyData belong to one polygon alone. A dual grid ends half a cell before the
+    domain does, at most a 32nd of it: edges there are no gaps."""
+    from paraview.vtk.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkFeatureEdges
+
+    merged = vtkCleanPolyData()
+    merged.SetInputData(mesh)
+    merged.ToleranceIsAbsoluteOn()
+    merged.SetAbsoluteTolerance(1e-7)
+    edges = vtkFeatureEdges()
+    edges.FeatureEdgesOff()
+    edges.NonManifoldEdgesOff()
+    edges.SetInputConnection(merged.GetOutputPort())
+    edges.Update()
+    found = edges.GetOutput()
+    if found.GetNumberOfLines() == 0:
+        return 0
+    ends = vtk_to_numpy(found.GetLines().GetConnectivityArray()).reshape(-1, 2)
+    middles = vtk_to_numpy(found.GetPoints().GetData())[ends].mean(axis=1)
+    return int(((middles > 0.04) & (middles < 0.96)).all(axis=1).sum())
+
+
+def seen_points(view):
+    """Where the pixels' rays meet the surface, of those that do."""
+    import numpy
+    from paraview.vtk.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkFloatArray
+
+    depths = vtkFloatArray()
+    view.GetRenderWindow().GetZbufferData(0, 0, PIXELS - 1, PIXELS - 1, depths)
+    depth = vtk_to_numpy(depths).astype(float).reshape(PIXELS, PIXELS)
+    y, x = numpy.nonzero(depth < 1)
+    in_window = [
+        (2 * x + 1) / PIXELS - 1, (2 * y + 1) / PIXELS - 1, 2 * depth[y, x] - 1, numpy.ones(len(x))]
+    matrix = view.GetActiveCamera().GetCompositeProjectionTransformMatrix(1, -1, 1)
+    projection = numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+    points = numpy.linalg.solve(projection, numpy.array(in_window))
+    return (points[:3] / points[3]).T
+
+
+def sphere_distances(points, name):
+    """From the isosurface of sphere-0.3M."""
+    import numpy
+
+    distances = abs(numpy.linalg.norm(points - 0.5, axis=1) - ISOVALUES["sphere"])
+    return {f"{name}_distance_max": float(distances.max()), f"{name}_distance_mean": float(distances.mean())}
+
+
+def surface_figures(view, dataset, source):
+    from paraview.vtk.util.numpy_support import vtk_to_numpy
+
+    mesh = source.GetClientSideObject().GetOutputDataObject(0) if source else None
+    figures = {"polygons": mesh.GetNumberOfPolys(), "open_edges": open_edges(mesh)} if mesh else {}
+    if dataset == "sphere-0.3M":
+        figures.update(sphere_distances(seen_points(view), "seen"))
+        if mesh and mesh.GetNumberOfPoints() > 0:
+            figures.update(sphere_distances(vtk_to_numpy(mesh.GetPoints().GetData()), "mesh"))
+    return figures
 
 
 def psnr(picture, reference):
@@ -113,10 +240,16 @@ def measure(folder, dataset, route):
         work()
         return time.perf_counter() - wall, time.process_time() - cpu
 
+    mesh_source = None
+
     def first_picture():
+        nonlocal mesh_source
         path = folder / (dataset + ".p8est")
         reader = simple.TreeAMRP4estReader(FileName=str(path), Payload="double value")
-        set_transfer_function(show(route, reader, view), dataset)
+        if route in SURFACE_ROUTES:
+            mesh_source = show_surface(route, reader, view, ISOVALUES[dataset.split("-")[0]])
+        else:
+            set_transfer_function(show_volume(route, reader, view), dataset)
         simple.Render(view)
 
     def next_picture():
@@ -134,7 +267,9 @@ def measure(folder, dataset, route):
     picture = folder / "peers" / f"{dataset}-{route}.png"
     simple.SaveScreenshot(str(picture), view, ImageResolution=[PIXELS, PIXELS])
     reference = folder / (dataset + ".reference")
-    if reference.exists():
+    if route in SURFACE_ROUTES:
+        result.update(surface_figures(view, dataset, mesh_source))
+    elif reference.exists():
         result["psnr_db"] = psnr(picture, reference)
     return result
 
@@ -162,51 +297,66 @@ def run(folder, dataset, route, timeout):
     return json.loads(figures[0][len(MARK):])
 
 
-def table_row(result):
-    route = ROUTES[result["route"]]
-    start = f"{result['dataset']:<16} {route:<28}"
+def table_head(part):
+    return (f"{'':<45} {'first s':>9} {'CPU-s':>9} {'frame s':>9} {'CPU-s':>9} {'peak GB':>8}" +
+            "".join(f" {heading:>9}" for heading, _, _ in part.columns))
+
+
+def table_row(part, result):
+    start = f"{result['dataset']:<17} {part.routes[result['route']]:<27}"
     if "failed" in result:
         return f"{start} failed: {result['failed']}"
     gigabytes = result["peak_rss_bytes"] / 1e9
     if "timed_out_s" in result:
         return f"{start} no picture within {result['timed_out_s']:g} s, {gigabytes:.2f} GB"
-    quality = f"{result['psnr_db']:7.1f}" if "psnr_db" in result else ""
+    more = [format(result[key], form) if key in result else "" for _, key, form in part.columns]
     return (f"{start} {result['first_picture_s']:9.1f} {result['first_picture_cpu_s']:9.1f} "
-            f"{result['s_frame']:9.2f} {result['cpu_s_frame']:9.2f} {gigabytes:8.2f} {quality}")
+            f"{result['s_frame']:9.2f} {result['cpu_s_frame']:9.2f} {gigabytes:8.2f}" +
+            "".join(f" {figure:>9}" for figure in more))
 
 
-def add_result(path, result):
+def add_result(path, key, result):
     """In the place of an older one of the same data set and route."""
     benchmark = json.loads(path.read_text()) if path.exists() else {}
-    others = [peer for peer in benchmark.get("peers", [])
+    others = [peer for peer in benchmark.get(key, [])
               if (peer["dataset"], peer["route"]) != (result["dataset"], result["route"])]
-    path.write_text(json.dumps({**benchmark, "peers": others + [result]}, indent=1) + "\n")
+    path.write_text(json.dumps({**benchmark, key: others + [result]}, indent=1) + "\n")
+
+
+def run_part(part, arguments):
+    routes = [route for route in arguments.routes or part.default_routes if route in part.routes]
+    datasets = arguments.datasets or part.default_datasets
+    for dataset in datasets:
+        if routes and not (arguments.folder / (dataset + ".p8est")).exists():
+            sys.exit(f"peers.py: no {dataset}.p8est in {arguments.folder}")
+    if routes:
+        print(table_head(part))
+    for dataset in datasets:
+        for route in routes:
+            result = {"dataset": dataset, "route": route,
+                      **run(arguments.folder, dataset, route, arguments.timeout)}
+            print(table_row(part, result), flush=True)
+            add_result(arguments.folder / "bench.json", part.key, result)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    routes = [*ROUTES, *SURFACE_ROUTES]
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--datasets", nargs="+", default=["mandelbulb-0.3M", "mandelbulb-2.6M"],
-                        metavar="NAME")
-    parser.add_argument("--routes", nargs="+", default=DEFAULT_ROUTES, choices=ROUTES, metavar="ROUTE",
-                        help=", ".join(ROUTES))
+    parser.add_argument("--part", choices=PARTS, help="both")
+    parser.add_argument("--datasets", nargs="+", metavar="NAME", help="; ".join(
+        f"{name}: {' '.join(part.default_datasets)}" for name, part in PARTS.items()))
+    parser.add_argument("--routes", nargs="+", choices=routes, metavar="ROUTE", help=", ".join(routes))
     parser.add_argument("--timeout", type=float, default=600, metavar="SECONDS", help="of each route (600)")
     parser.add_argument("--measure", nargs=2, metavar=("NAME", "ROUTE"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.measure:
         print(MARK + json.dumps(measure(arguments.folder, *arguments.measure)))
         return
-    for dataset in arguments.datasets:
-        if not (arguments.folder / (dataset + ".p8est")).exists():
-            sys.exit(f"peers.py: no {dataset}.p8est in {arguments.folder}")
     (arguments.folder / "peers").mkdir(exist_ok=True)
-    print(f"{'':<45} {'first s':>9} {'CPU-s':>9} {'frame s':>9} {'CPU-s':>9} {'peak GB':>8} {'dB':>7}")
-    for dataset in arguments.datasets:
-        for route in arguments.routes:
-            result = {"dataset": dataset, "route": route,
-                      **run(arguments.folder, dataset, route, arguments.timeout)}
-            print(table_row(result), flush=True)
-            add_result(arguments.folder / "bench.json", result)
+    for name, part in PARTS.items():
+        if arguments.part in (None, name):
+            run_part(part, arguments)
 
 
 if __name__ == "__main__":

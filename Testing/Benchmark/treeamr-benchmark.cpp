@@ -1,14 +1,19 @@
-// Measures the volume renderer on the forests <name>.p8est of a folder, whose names Scene.cpp has: memory,
-// seconds of wall and CPU (of the whole process) on all threads, and PSNR against the scalar reference at 64
-// samples per cell, which is kept beside the forest as <name>.reference.
+// Measures the ray tracer on the forests <name>.p8est of a folder, whose names Scene.cpp has; CPU seconds are those
+// of the whole process on all threads.
 //
-// treeamr-benchmark FOLDER [--only NAME] [--samples S] [--picture FILE.ppm] [--json FILE]
+// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface] [--samples S] [--picture FILE.ppm] [--json FILE]
+//
+// Volume: memory, seconds, and PSNR against the scalar reference at 64 samples per cell, which is kept beside the
+// forest as <name>.reference. Bytes per cell: allocated, resident after the build without its input, and the
+// build's peak beyond its input. A kept frame finds vertex values of the frames before in the cache, a cold one
+// begins without. --samples and --picture are for this part.
+//
+// Isosurface: the paper's extraction of active primitives in its three ways, the last of them over more isovalues,
+// and the ray tracer's surface: construction and frames, of which a cold one is the first.
 //
 // --only procedural-200M: about 200M cells that are on no disk, whether they fit memory.
-//
-// Bytes per cell: allocated, resident after the build without its input, and the build's peak beyond its
-// input. A kept frame finds vertex values of the frames before in the cache, a cold one begins without.
 #include "Error.h"
+#include "IsosurfaceFigures.h"
 #include "Limit.h"
 #include "Meter.h"
 #include "RayTracing/VertexCache.h"
@@ -38,10 +43,14 @@ namespace treeamr::bench
 namespace
 {
 
+constexpr const char* syntheticName = "synthetic";
+
 struct Options
 {
   std::string folder;
   std::string only; // empty: all data sets
+  bool volume = true;
+  bool isosurface = true;
   std::string picture;
   std::string json;
   VolumeSettings settings;
@@ -63,6 +72,11 @@ std::optional<Options> parse(int argc, char* argv[])
     if (name == "--only")
     {
       options.only = value;
+    }
+    else if (name == "--part" && (value == "volume" || value == "isosurface"))
+    {
+      options.volume = value == "volume";
+      options.isosurface = value == "isosurface";
     }
     else if (name == "--picture")
     {
@@ -108,12 +122,7 @@ BuiltField measureBuild(std::vector<LeafCell> cells, std::size_t residentBefore)
   std::shared_ptr<Field> field;
   const std::size_t residentWithInput = residentBytes();
   takePeakResidentBytes();
-  const Seconds build = measure([&] {
-    auto built =
-      buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), std::move(cells));
-    field = std::make_shared<Field>(built.octree, std::move(built.values));
-    field->computeNodeRanges();
-  });
+  const Seconds build = measure([&] { field = buildField({ 1, 1, 1 }, std::move(cells)); });
   const std::size_t peak = takePeakResidentBytes();
   const auto perCell = [&](std::size_t bytes, std::size_t before) {
     return (static_cast<double>(bytes) - static_cast<double>(before)) / count;
@@ -198,7 +207,7 @@ void runHuge(const Options& options)
   };
   const Seconds cold = measure(frame);
   const Seconds warm = best(frame);
-  Report().add({ "procedural-200M",
+  Report("volume").add({ "procedural-200M",
     { { nullptr, count, "cells" },
       { nullptr, static_cast<double>(field->byteSize() + field->octree().byteSize()) / count, "B/cell", 2 },
       { nullptr, build.cpu / count, "CPU ns", 0, 1e9 }, { nullptr, warm.cpu, "CPU-s", 3 },
@@ -210,23 +219,15 @@ void runHuge(const Options& options)
   }
 }
 
-void run(const Options& options)
+void runVolume(const Options& options, Report& report)
 {
-  if (options.only == "procedural-200M")
-  {
-    runHuge(options);
-    return;
-  }
-  Report report;
   std::optional<Measurement> few;
-  bool found = false;
   for (const Scene& scene : makeScenes())
   {
     if (!options.only.empty() && scene.name != options.only)
     {
       continue;
     }
-    found = true;
     const Measurement result = measureVolume(options, scene);
     report.add({ scene.name, result.figures });
     if (!options.picture.empty())
@@ -245,13 +246,65 @@ void run(const Options& options)
         time, time / cells);
     }
   }
-  if (!found)
+}
+
+void runIsosurface(const Options& options, Report& report, Report& activity)
+{
+  const Camera camera = makeCamera();
+  std::vector<Row> activityRows; // a table of its own after the other
+  if (options.only.empty() || options.only == syntheticName)
+  {
+    Forest forest = makeSyntheticForest();
+    const auto field = buildField(forest.roots, std::move(forest.cells));
+    report.add({ syntheticName, isosurfaceFigures(field, 6.5, camera) });
+  }
+  for (const Scene& scene : makeScenes())
+  {
+    if (!options.only.empty() && scene.name != options.only)
+    {
+      continue;
+    }
+    Forest forest = readForest(options.folder + "/" + scene.name + ".p8est");
+    const auto field = buildField(forest.roots, std::move(forest.cells));
+    report.add({ scene.name, isosurfaceFigures(field, scene.isovalue, camera) });
+    for (const double isovalue : scene.moreIsovalues)
+    {
+      activityRows.push_back({ scene.name, activityFigures(*field, isovalue) });
+    }
+  }
+  for (Row& row : activityRows)
+  {
+    activity.add(std::move(row));
+  }
+}
+
+void run(const Options& options)
+{
+  if (options.only == "procedural-200M")
+  {
+    runHuge(options);
+    return;
+  }
+  const std::vector<Scene> scenes = makeScenes();
+  if (!options.only.empty() && options.only != syntheticName &&
+    std::none_of(scenes.begin(), scenes.end(), [&](const Scene& s) { return s.name == options.only; }))
   {
     throw Error("--only " + options.only + ": no such data set");
   }
+  Report volume("volume");
+  Report isosurface("isosurface");
+  Report activity("isosurface_activity");
+  if (options.volume)
+  {
+    runVolume(options, volume);
+  }
+  if (options.isosurface)
+  {
+    runIsosurface(options, isosurface, activity);
+  }
   if (!options.json.empty())
   {
-    report.writeJson(options.json);
+    writeJson(options.json, { &volume, &isosurface, &activity });
   }
 }
 
@@ -265,7 +318,8 @@ int main(int argc, char* argv[])
   if (!options)
   {
     std::fprintf(stderr,
-      "usage: treeamr-benchmark FOLDER [--only NAME] [--samples S] [--picture FILE.ppm] [--json FILE]\n"
+      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface] [--samples S]\n"
+      "  [--picture FILE.ppm] [--json FILE]\n"
       "--picture needs --only\n");
     return 2;
   }

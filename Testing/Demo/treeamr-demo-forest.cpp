@@ -1,8 +1,9 @@
 // Writes the data of demo and benchmark: an example field on the unit cube as a forest of libp4est, one
 // double per quadrant (the field at the cell's centre), balanced across faces, edges and corners.
 //
-// treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet]]
-// By default 4 7 0.05 mandelbulb: 305,096 cells.
+// treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet | sphere [trees]]]
+// By default 4 7 0.05 mandelbulb: 305,096 cells. Sphere: the Mandelbulb's cells with the distance from the centre.
+// Levels count from the trees, of which there are 1 or more along each axis.
 #include "ExampleFields.h"
 #include "Support/ForestWriter.h"
 
@@ -26,6 +27,8 @@ bool parse(std::string_view text, Number& number)
   return code == std::errc() && end == text.data() + text.size();
 }
 
+constexpr int maxTrees = 64; // along each axis
+
 struct Refinement
 {
   int minLevel = 4;
@@ -33,23 +36,31 @@ struct Refinement
   double threshold = 0.05;
 };
 
-template <class Field>
-void writeForest(const std::string& path, const Refinement& refinement, const Field& field)
+double distanceFromCentre(double x, double y, double z)
 {
-  auto forest = treeamr::test::ForestWriter::unitCube();
+  return std::hypot(x - 0.5, y - 0.5, z - 0.5);
+}
+
+/// The cells of one field with the values of another (or the same).
+template <class Cells, class Values>
+void writeForest(
+  const std::string& path, const Refinement& refinement, int trees, const Cells& cells, const Values& values)
+{
+  using treeamr::test::ForestWriter;
+  auto forest = ForestWriter::brick({ trees, trees, trees });
+  forest.moveVertices([&](const ForestWriter::Point& p) {
+    return ForestWriter::Point{ p[0] / trees, p[1] / trees, p[2] / trees };
+  });
   forest.refine([&](const ForestQuadrant& cell) {
-    const double width = std::ldexp(1., -cell.level);
+    const auto [low, high] = forest.bounds(cell);
     return cell.level < refinement.minLevel ||
       (cell.level < refinement.maxLevel &&
-        treeamr::rangeOverProbes(field,
-          { cell.index[0] * width, cell.index[1] * width, cell.index[2] * width },
-          width) > refinement.threshold);
+        treeamr::rangeOverProbes(cells, low, high[0] - low[0]) > refinement.threshold);
   });
   forest.balance(treeamr::test::Balance::Full);
   forest.setPayload(sizeof(double), [&](const ForestQuadrant& cell, std::byte* payload) {
-    const double width = std::ldexp(1., -cell.level);
-    const double value =
-      field((cell.index[0] + 0.5) * width, (cell.index[1] + 0.5) * width, (cell.index[2] + 0.5) * width);
+    const auto [low, high] = forest.bounds(cell);
+    const double value = values(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
     std::memcpy(payload, &value, sizeof(value));
   });
   forest.save(path);
@@ -61,28 +72,35 @@ void writeForest(const std::string& path, const Refinement& refinement, const Fi
 int main(int argc, char* argv[])
 {
   Refinement refinement;
+  int trees = 1;
   const std::string_view field = argc > 5 ? argv[5] : "mandelbulb";
   const bool understood = argc == 2 ||
-    ((argc == 5 || argc == 6) && parse(argv[2], refinement.minLevel) && parse(argv[3], refinement.maxLevel) &&
-      parse(argv[4], refinement.threshold));
+    (argc >= 5 && argc <= 7 && parse(argv[2], refinement.minLevel) && parse(argv[3], refinement.maxLevel) &&
+      parse(argv[4], refinement.threshold) && (argc < 7 || parse(argv[6], trees)));
   if (!understood || refinement.minLevel < 0 || refinement.maxLevel < refinement.minLevel ||
     refinement.maxLevel > treeamr::test::ForestWriter::maxLevel || std::isnan(refinement.threshold) ||
-    (field != "mandelbulb" && field != "sheet"))
+    (field != "mandelbulb" && field != "sheet" && field != "sphere") || trees < 1 || trees > maxTrees)
   {
-    std::cerr << "usage: treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet]]\n"
-              << "by default 4 7 0.05 mandelbulb; 0 <= minLevel <= maxLevel <= "
-              << treeamr::test::ForestWriter::maxLevel << '\n';
+    std::cerr << "usage: treeamr-demo-forest OUT.p8est [minLevel maxLevel threshold [mandelbulb | sheet | "
+                 "sphere [trees]]]\n"
+              << "by default 4 7 0.05 mandelbulb 1; 0 <= minLevel <= maxLevel <= "
+              << treeamr::test::ForestWriter::maxLevel << ", 1 <= trees <= " << maxTrees << '\n';
     return 2;
   }
   try
   {
     if (field == "sheet")
     {
-      writeForest(argv[1], refinement, treeamr::Sheet());
+      const treeamr::Sheet sheet;
+      writeForest(argv[1], refinement, trees, sheet, sheet);
+    }
+    else if (field == "sphere")
+    {
+      writeForest(argv[1], refinement, trees, treeamr::mandelbulb, distanceFromCentre);
     }
     else
     {
-      writeForest(argv[1], refinement, treeamr::mandelbulb);
+      writeForest(argv[1], refinement, trees, treeamr::mandelbulb, treeamr::mandelbulb);
     }
   }
   catch (const std::exception& error)
