@@ -62,6 +62,7 @@ public:
     }
   }
   int paddingDepth() const noexcept { return grid_.paddingDepth(); }
+  bool isUniform() const noexcept { return uniform_; }
 
 private:
   const RootGrid& grid_;
@@ -75,13 +76,19 @@ private:
 struct BlockPlanes
 {
   std::array<std::array<double, 5>, 3> at;
+  std::array<std::array<double, 4>, 3> inverseWidth; // of the octants between them
 
   BlockPlanes(const TraceSpace& space, const SurfaceBlock& block) noexcept
   {
     const int level = block.depth() + 2 - space.paddingDepth();
+    const auto perUnit = static_cast<double>(Coord(1) << level);
     for (int a = 0; a < 3; ++a)
     {
       space.planes(a, 4 * block.index(a), level, at[a]);
+      for (int i = 0; i < 4; ++i)
+      {
+        inverseWidth[a][i] = space.isUniform() ? perUnit : 1. / (at[a][i + 1] - at[a][i]);
+      }
     }
   }
 };
@@ -168,7 +175,7 @@ void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& r
       for (int a = 0; a < 3; ++a)
       {
         const double low = planes.at[a][axes[a].cell];
-        const double inverse = 1. / (planes.at[a][axes[a].cell + 1] - low);
+        const double inverse = planes.inverseWidth[a][axes[a].cell];
         const double origin = ray.origin[a] - low;
         crossing.from[a] = std::clamp((origin + t0 * ray.direction[a]) * inverse, 0., 1.);
         crossing.to[a] = std::clamp((origin + tOut * ray.direction[a]) * inverse, 0., 1.);
@@ -249,7 +256,7 @@ inline Vec3 gradientAt(
   for (int a = 0; a < 3; ++a)
   {
     const int cell = octant >> 2 * a & 3;
-    gradient[a] /= planes.at[a][cell + 1] - planes.at[a][cell];
+    gradient[a] *= planes.inverseWidth[a][cell];
   }
   return gradient;
 }

@@ -55,10 +55,11 @@ bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
 {
   double before = c[0];
   const double last = evaluate(c, 1.);
-  // Further from zero than the cubic is from its chord: |s^2 - s| <= 1/4 and |s^3 - s| <= 0.385.
-  const double nearest = std::min(std::abs(before), std::abs(last));
-  const double bend = 0.25 * std::abs(c[2]) + 0.385 * std::abs(c[3]);
-  if ((before < 0.) == (last < 0.) && nearest > bend && nearest > tolerance)
+  // The cubic lies in the hull of its Bernstein coefficients.
+  const double second = c[0] + c[1] * (1. / 3.);
+  const double third = c[0] + (2. * c[1] + c[2]) * (1. / 3.);
+  if (std::min({ before, second, third, last }) > tolerance ||
+    std::max({ before, second, third, last }) < -tolerance)
   {
     return false;
   }

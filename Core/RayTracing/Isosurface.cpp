@@ -9,6 +9,7 @@
 
 #include <embree3/rtcore.h>
 #include <oneapi/tbb/blocked_range2d.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
@@ -82,10 +83,8 @@ bool missesBox(const PixelFan& fan, const Vec3& eye, const Bounds& box, int x, i
   return in > out; // not for NaN
 }
 
-/// A ray's query, passed through Embree.
 struct Query
 {
-  RTCIntersectContext context; // first: Embree hands back a pointer to it
   SlabRay ray;
   double tEnter;        // Embree's ray parameter 0
   double tLeave;        // Embree's ray parameter 1
@@ -93,6 +92,20 @@ struct Query
   SurfaceHit nearest{};
   Vec3 place{}; // of the nearest hit in its octant
   std::vector<SurfaceHit>* all = nullptr;
+};
+
+/// Queries of rays, passed through Embree: a ray's id is the number of its query.
+struct Batch
+{
+  RTCIntersectContext context; // first: Embree hands back a pointer to it
+  Query* queries;
+
+  explicit Batch(Query* q, RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
+    : queries(q)
+  {
+    rtcInitIntersectContext(&context);
+    context.flags = flags;
+  }
 };
 
 } // namespace
@@ -142,65 +155,66 @@ struct Isosurface::Impl
     }
   }
 
-  static Query& queryOf(const RTCIntersectContext* context) noexcept
+  /// Calls body(query, index of the ray) for the rays that Embree asks about.
+  template <class Args, class Body>
+  static void forEachQuery(const Args* args, RTCRayN* rays, const Body& body)
   {
-    return *reinterpret_cast<Query*>(const_cast<RTCIntersectContext*>(context));
-  }
-
-  static void nearest(const RTCIntersectFunctionNArguments* args)
-  {
-    Query& query = queryOf(args->context);
-    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    if (args->valid[0] != 0 && self.nearestInBlock(args->primID, query))
+    const Batch& batch = *reinterpret_cast<const Batch*>(args->context);
+    for (unsigned i = 0; i < args->N; ++i)
     {
-      const auto parameter =
-        static_cast<float>((query.nearest.t - query.tEnter) / (query.tLeave - query.tEnter));
-      RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, 1), 1, 0) = parameter + embreeRounding;
-    }
-  }
-
-  static void collect(const RTCIntersectFunctionNArguments* args)
-  {
-    Query& query = queryOf(args->context);
-    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    if (args->valid[0] != 0)
-    {
-      self.collectInBlock(args->primID, query);
+      if (args->valid[i] != 0)
+      {
+        body(batch.queries[RTCRayN_id(rays, args->N, i)], i);
+      }
     }
   }
 
   static void intersectBlock(const RTCIntersectFunctionNArguments* args)
   {
-    (queryOf(args->context).all ? collect : nearest)(args);
+    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
+    const SurfaceRecord& record = self.blocks.record(args->primID);
+    const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
+    RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
+    forEachQuery(args, rays, [&](Query& query, unsigned i) {
+      if (query.all)
+      {
+        self.collectInBlock(args->primID, record, planes, query);
+      }
+      else if (self.nearestInBlock(args->primID, record, planes, query))
+      {
+        const auto parameter =
+          static_cast<float>((query.nearest.t - query.tEnter) / (query.tLeave - query.tEnter));
+        RTCRayN_tfar(rays, args->N, i) = parameter + embreeRounding;
+      }
+    });
   }
 
   static void occludeBlock(const RTCOccludedFunctionNArguments* args)
   {
-    Query& query = queryOf(args->context);
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    if (args->valid[0] != 0 && self.nearestInBlock(args->primID, query))
-    {
-      RTCRayN_tfar(args->ray, 1, 0) = -std::numeric_limits<float>::infinity();
-    }
+    const SurfaceRecord& record = self.blocks.record(args->primID);
+    const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
+    forEachQuery(args, args->ray, [&](Query& query, unsigned i) {
+      if (self.nearestInBlock(args->primID, record, planes, query))
+      {
+        RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+      }
+    });
   }
 
   /// How far from zero a value may be on the seam of two octants that is zero on it.
   static double toleranceOf(
     const SurfaceRecord& record, const BlockPlanes& planes, const Query& query) noexcept
   {
-    double width = planes.at[0][1] - planes.at[0][0];
-    for (int a = 1; a < 3; ++a)
-    {
-      width = std::min(width, planes.at[a][1] - planes.at[a][0]);
-    }
-    return record.tolerance + record.hull * (query.rounding / width);
+    const double perWidth =
+      std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] });
+    return record.tolerance + record.hull * query.rounding * perWidth;
   }
 
   /// Whether the query's nearest hit is now in this block.
-  bool nearestInBlock(std::uint32_t block, Query& query) const
+  bool nearestInBlock(
+    std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes, Query& query) const
   {
-    const SurfaceRecord& record = blocks.record(block);
-    const BlockPlanes planes(space, blocks.all()[block]);
     const double tolerance = toleranceOf(record, planes, query);
     bool closer = false;
     // Of equal hits of neighbours the first block's counts, whatever the order of visits.
@@ -238,10 +252,9 @@ struct Isosurface::Impl
     return gradient;
   }
 
-  void collectInBlock(std::uint32_t block, Query& query) const
+  void collectInBlock(
+    std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes, Query& query) const
   {
-    const SurfaceRecord& record = blocks.record(block);
-    const BlockPlanes planes(space, blocks.all()[block]);
     const double tolerance = toleranceOf(record, planes, query);
     walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, query.tLeave,
       [&](const OctantCrossing& crossing) {
@@ -291,15 +304,14 @@ struct Isosurface::Impl
     statistics.hierarchySeconds = seconds(start);
   }
 
-  /// Calls trace(query, ray) with the ray in Embree's unit cube, unless it misses the domain.
-  template <class Trace>
-  void withQuery(const Ray& ray, double tMin, double tMax, const Trace& trace) const
+  /// The query for a ray, and the ray in Embree's unit cube; false when it misses the domain. id: the query's number.
+  bool prepare(const Ray& world, double tMin, double tMax, unsigned id, Query& query, RTCRay& ray) const
   {
     if (!scene)
     {
-      return;
+      return false;
     }
-    Query query{ {}, SlabRay(space.ray(ray)), tMin, tMax };
+    query = { SlabRay(space.ray(world)), tMin, tMax };
     for (int a = 0; a < 3; ++a)
     {
       // A ray that runs in a face belongs to the side above it, in the domain's upper face to that below.
@@ -310,7 +322,7 @@ struct Isosurface::Impl
     }
     if (!query.ray.clip(domain.min, domain.max, query.tEnter, query.tLeave))
     {
-      return;
+      return false;
     }
     for (int a = 0; a < 3; ++a)
     {
@@ -319,10 +331,8 @@ struct Isosurface::Impl
     }
     query.nearest.t = std::numeric_limits<double>::infinity();
     query.nearest.block = RTC_INVALID_GEOMETRY_ID;
-    rtcInitIntersectContext(&query.context);
-    RTCRay r;
-    float* origin = &r.org_x;
-    float* direction = &r.dir_x;
+    float* origin = &ray.org_x;
+    float* direction = &ray.dir_x;
     for (int a = 0; a < 3; ++a)
     {
       const double extent = domain.max[a] - domain.min[a];
@@ -330,21 +340,47 @@ struct Isosurface::Impl
         (query.ray.origin[a] + query.tEnter * query.ray.direction[a] - domain.min[a]) / extent);
       direction[a] = static_cast<float>(query.ray.direction[a] * (query.tLeave - query.tEnter) / extent);
     }
-    r.tnear = 0.f;
-    r.tfar = 1.f + embreeRounding;
-    r.time = 0.f;
-    r.mask = 0xffffffffu;
-    r.id = 0;
-    r.flags = 0;
-    trace(query, r);
+    ray.tnear = 0.f;
+    ray.tfar = 1.f + embreeRounding;
+    ray.time = 0.f;
+    ray.mask = 0xffffffffu;
+    ray.id = id;
+    ray.flags = 0;
+    return true;
   }
 
-  void intersectWith(Query& query, const RTCRay& ray) const
+  void trace(Query& query, RTCRayHit& ray) const
   {
-    RTCRayHit rayHit;
-    rayHit.ray = ray;
-    rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &query.context, &rayHit);
+    Batch batch(&query);
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &batch.context, &ray);
+  }
+
+  /// The nearest hit of a traced query, if there is one.
+  bool finish(const Query& query, SurfaceHit& hit) const
+  {
+    if (query.nearest.block == RTC_INVALID_GEOMETRY_ID)
+    {
+      return false;
+    }
+    hit = query.nearest;
+    const BlockPlanes planes(space, blocks.all()[hit.block]);
+    hit.gradient = worldGradient(blocks.record(hit.block), planes, hit.octant, query.place);
+    return true;
+  }
+
+  /// Sorts the hits of a traced query, each once.
+  void finish(std::vector<SurfaceHit>& hits, const Isosurface& surface) const
+  {
+    std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
+      return a.surface != b.surface ? a.surface < b.surface : a.t != b.t ? a.t < b.t : a.block < b.block;
+    });
+    const auto same = [&](const SurfaceHit& a, const SurfaceHit& b) {
+      return a.surface == b.surface && b.t - a.t <= sameHit * surface.leafWidth(a);
+    };
+    hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
+    std::stable_sort(
+      hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) { return a.t < b.t; });
   }
 };
 
@@ -388,46 +424,40 @@ IsosurfaceStatistics Isosurface::statistics() const
 
 bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const
 {
-  bool found = false;
-  impl_->withQuery(ray, tMin, tMax, [&](Query& query, const RTCRay& r) {
-    impl_->intersectWith(query, r);
-    hit = query.nearest;
-    found = hit.block != RTC_INVALID_GEOMETRY_ID;
-    if (found)
-    {
-      const BlockPlanes planes(impl_->space, impl_->blocks.all()[hit.block]);
-      hit.gradient = impl_->worldGradient(impl_->blocks.record(hit.block), planes, hit.octant, query.place);
-    }
-  });
-  return found;
+  Query query;
+  RTCRayHit r;
+  if (!impl_->prepare(ray, tMin, tMax, 0, query, r.ray))
+  {
+    return false;
+  }
+  impl_->trace(query, r);
+  return impl_->finish(query, hit);
 }
 
 void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const
 {
   hits.clear();
-  impl_->withQuery(ray, tMin, tMax, [&](Query& query, const RTCRay& r) {
+  Query query;
+  RTCRayHit r;
+  if (impl_->prepare(ray, tMin, tMax, 0, query, r.ray))
+  {
     query.all = &hits;
-    impl_->intersectWith(query, r);
-    std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
-      return a.surface != b.surface ? a.surface < b.surface : a.t != b.t ? a.t < b.t : a.block < b.block;
-    });
-    const auto same = [&](const SurfaceHit& a, const SurfaceHit& b) {
-      return a.surface == b.surface && b.t - a.t <= sameHit * leafWidth(a);
-    };
-    hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
-    std::stable_sort(
-      hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) { return a.t < b.t; });
-  });
+    impl_->trace(query, r);
+    impl_->finish(hits, *this);
+  }
 }
 
 bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
 {
-  bool found = false;
-  impl_->withQuery(ray, tMin, tMax, [&](Query& query, RTCRay r) {
-    rtcOccluded1(impl_->scene, &query.context, &r);
-    found = query.nearest.block != RTC_INVALID_GEOMETRY_ID;
-  });
-  return found;
+  Query query;
+  RTCRay r;
+  if (!impl_->prepare(ray, tMin, tMax, 0, query, r))
+  {
+    return false;
+  }
+  Batch batch(&query);
+  rtcOccluded1(impl_->scene, &batch.context, &r);
+  return query.nearest.block != RTC_INVALID_GEOMETRY_ID;
 }
 
 void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& image) const
@@ -438,8 +468,9 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   const std::optional<PixelFan> fan = camera.isPerspective() ? std::optional(camera.fan()) : std::nullopt;
   const Vec3 eye = camera.eye();
   const Bounds domain = impl_->blocks.field().octree().grid().bounds();
-  // Tiles: rays near each other ask for the same vertex values.
-  constexpr int tile = 16;
+  // Tiles of packets of 4 x 4 pixels: rays near each other take the same way and ask for the same vertex values.
+  constexpr int packet = 4;
+  constexpr int tile = 4 * packet;
   const int tilesX = (camera.width() + tile - 1) / tile;
   const int tilesY = (camera.height() + tile - 1) / tile;
   std::vector<std::vector<SurfaceHit>> parts(static_cast<std::size_t>(tilesX) * tilesY);
@@ -456,36 +487,67 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
       });
   };
   const auto forPixels = [&](int i, int j, const auto& body) {
-    for (int y = j * tile; y < std::min((j + 1) * tile, camera.height()); ++y)
+    for (int k = 0; k < tile * tile; ++k)
     {
-      for (int x = i * tile; x < std::min((i + 1) * tile, camera.width()); ++x)
+      const int inPacket = k % (packet * packet);
+      const int ofTile = k / (packet * packet);
+      const int x = i * tile + packet * (ofTile % 4) + inPacket % packet;
+      const int y = j * tile + packet * (ofTile / 4) + inPacket / packet;
+      if (x < camera.width() && y < camera.height())
       {
         body(x, y, y * width + x);
       }
     }
   };
+  struct Rays
+  {
+    std::array<Query, tile * tile> queries;
+    std::array<std::size_t, tile * tile> pixels;
+    std::array<RTCRayHit, tile * tile> rays;
+    std::array<std::vector<SurfaceHit>, tile * tile> all;
+  };
+  tbb::enumerable_thread_specific<std::unique_ptr<Rays>> workers;
   forTiles([&](int i, int j, std::vector<SurfaceHit>& found) {
-    std::vector<SurfaceHit> ofRay;
+    std::unique_ptr<Rays>& own = workers.local();
+    own = own ? std::move(own) : std::make_unique<Rays>();
+    unsigned count = 0;
     forPixels(i, j, [&](int x, int y, std::size_t pixel) {
       if (fan && missesBox(*fan, eye, domain, x, y))
       {
         return;
       }
       const Ray ray = camera.ray(x, y);
-      const double near = camera.tFromDepth(ray, 0.);
-      const double far = camera.tFromDepth(ray, 1.);
+      RTCRayHit& r = own->rays[count];
+      if (impl_->prepare(
+            ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), count, own->queries[count], r.ray))
+      {
+        r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        own->all[count].clear();
+        own->queries[count].all = layers == SurfaceLayers::All ? &own->all[count] : nullptr;
+        own->pixels[count++] = pixel;
+      }
+    });
+    if (count == 0)
+    {
+      return;
+    }
+    Batch batch(own->queries.data(), RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    rtcIntersect1M(impl_->scene, &batch.context, own->rays.data(), count, sizeof(RTCRayHit));
+    for (unsigned k = 0; k < count; ++k)
+    {
+      std::vector<SurfaceHit>& hits = own->all[k];
       if (layers == SurfaceLayers::All)
       {
-        intersectAll(ray, near, far, ofRay);
+        impl_->finish(hits, *this);
       }
       else
       {
-        ofRay.resize(1);
-        ofRay.resize(intersect(ray, near, far, ofRay[0]) ? 1 : 0);
+        hits.resize(1);
+        hits.resize(impl_->finish(own->queries[k], hits[0]) ? 1 : 0);
       }
-      image.first[pixel + 1] = ofRay.size();
-      found.insert(found.end(), ofRay.begin(), ofRay.end());
-    });
+      image.first[own->pixels[k] + 1] = hits.size();
+      found.insert(found.end(), hits.begin(), hits.end());
+    }
   });
   for (std::size_t p = 0; p < pixels; ++p)
   {

@@ -16,6 +16,7 @@ struct SlabRay
   Vec3 direction;
   Vec3 inverse;
 
+  SlabRay() noexcept = default;
   explicit SlabRay(const Ray& ray) noexcept
     : origin(ray.origin)
     , direction(ray.direction)

@@ -3,6 +3,7 @@
 #include "Meter.h"
 #include "PaperPrimitives.h"
 #include "RayTracing/Isosurface.h"
+#include "RayTracing/SurfaceBlocks.h"
 
 namespace treeamr::bench
 {
@@ -32,29 +33,27 @@ double activePercent(const Field& field, float isovalue)
 
 struct RayTracerCost
 {
+  Seconds extraction;
   Seconds construction; // extraction and hierarchy
   Seconds coldFrame;    // the first after it
   Seconds frame;
-  double bytes; // resident
-  double primitives;
+  IsosurfaceStatistics statistics; // after the frames
 };
 
 RayTracerCost measureRayTracer(
-  const std::shared_ptr<const Field>& field, float isovalue, const Camera& camera)
+  const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera)
 {
   RayTracerCost cost;
   std::unique_ptr<Isosurface> surface;
   HitImage hits;
-  const auto forget = [&] { surface.reset(); };
-  const auto construct = [&] { surface = std::make_unique<Isosurface>(field, isovalue); };
-  const auto render = [&] { surface->render(camera, hits); };
-  cost.construction = best(forget, construct, 1);
+  const std::vector<double> isovalues{ isovalue };
+  cost.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes); });
+  cost.construction =
+    best([&] { surface.reset(); }, [&] { surface = std::make_unique<Isosurface>(field, isovalues); });
+  const auto render = [&] { surface->render(camera, SurfaceLayers::Nearest, hits); };
   cost.coldFrame = measure(render);
   cost.frame = best(render);
-  cost.primitives = static_cast<double>(surface->primitiveCount());
-  const auto with = static_cast<double>(residentBytes());
-  forget();
-  cost.bytes = with - static_cast<double>(residentBytes());
+  cost.statistics = surface->statistics();
   return cost;
 }
 
@@ -68,7 +67,8 @@ std::vector<Figure> isosurfaceFigures(
   const PaperCost naive = measurePaper(*field, value, Extraction::Naive);
   const PaperCost dualCells = measurePaper(*field, value, Extraction::DualCells);
   const PaperCost filtered = measurePaper(*field, value, Extraction::Filtered);
-  const RayTracerCost own = measureRayTracer(field, value, camera);
+  const RayTracerCost own = measureRayTracer(field, isovalue, camera);
+  const auto blocks = static_cast<double>(own.statistics.blocks);
   return {
     { "isovalue", isovalue, "isovalue", 2 },
     { "cells", cells, "cells" },
@@ -79,9 +79,12 @@ std::vector<Figure> isosurfaceFigures(
     { "opt2_cells_per_s", cells / filtered.extraction.wall, "M cells/s", 1, 1e-6 },
     { "naive_primitives", static_cast<double>(naive.primitives), "octants" },
     { "opt2_primitives", static_cast<double>(filtered.primitives), "with dual" },
-    { "construction_cpu_s", own.construction.cpu, "construct", 3 },
-    { "primitives", own.primitives, "primitives" },
-    { "bytes_per_primitive", own.bytes / own.primitives, "B/prim", 1 },
+    { "extraction_cpu_s", own.extraction.cpu, "extraction", 3 },
+    { "bvh_cpu_s", own.construction.cpu - own.extraction.cpu, "BVH", 3 },
+    { "primitives", blocks, "primitives" },
+    { "bytes_per_primitive", static_cast<double>(own.statistics.blockBytes) / blocks, "B/prim", 1 },
+    { "bvh_bytes_per_primitive", static_cast<double>(own.statistics.hierarchyBytes) / blocks, "BVH B", 1 },
+    { "kept_bytes", static_cast<double>(own.statistics.keptBytes), "kept MiB", 0, 1. / 1048576. },
     { "cpu_s_frame", own.frame.cpu, "CPU-s", 3 },
     { "cpu_s_frame_cold", own.coldFrame.cpu, "cold CPU-s", 3 },
   };
