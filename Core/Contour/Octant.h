@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace treeamr
@@ -163,36 +164,43 @@ inline double crossing(const OctantValues& values, int edge) noexcept
   return t < margin ? margin : t > 1. - margin ? 1. - margin : t;
 }
 
-/// A point of the trilinear surface near the middle of a loop on the octant's boundary, found by two steps of
-/// Newton's method along the gradient; the middle itself where these leave the loop's box.
+/// A point of the trilinear surface near the middle of a loop on the octant's boundary, inside the loop's box: by
+/// Newton's method along the gradient, with shorter steps towards the walls.
 inline std::array<double, 3> loopCentre(
   const OctantValues& values, const std::array<double, 3>* loop, int count) noexcept
 {
-  std::array<double, 3> middle{};
+  std::array<double, 3> p{};
   std::array<double, 3> low = loop[0];
   std::array<double, 3> high = loop[0];
   for (int i = 0; i < count; ++i)
   {
     for (int a = 0; a < 3; ++a)
     {
-      middle[a] += loop[i][a] / count;
+      p[a] += loop[i][a] / count;
       low[a] = loop[i][a] < low[a] ? loop[i][a] : low[a];
       high[a] = loop[i][a] > high[a] ? loop[i][a] : high[a];
     }
   }
-  std::array<double, 3> p = middle;
-  for (int step = 0; step < 2; ++step)
+  for (int step = 0; step < 4; ++step)
   {
     const double value = trilinear(values, p);
     const std::array<double, 3> g = trilinearGradient(values, p);
     const double square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    if (!(square > 0.))
+    {
+      return p;
+    }
+    std::array<double, 3> d;
+    double share = 1.;
     for (int a = 0; a < 3; ++a)
     {
-      p[a] -= value * (g[a] / square);
-      if (!(p[a] > low[a] && p[a] < high[a]))
-      {
-        return middle;
-      }
+      d[a] = -value * (g[a] / square);
+      const double room = 0.9 * ((d[a] < 0. ? low[a] : high[a]) - p[a]);
+      share = std::abs(d[a]) * share > std::abs(room) ? room / d[a] : share;
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] += share * d[a];
     }
   }
   return p;

@@ -23,6 +23,11 @@ struct Segment
   auto operator<=>(const Segment&) const noexcept = default;
 };
 
+bool isWhole(const TransitionLine& line) noexcept
+{
+  return line.from != TransitionLine::none && line.to != TransitionLine::none;
+}
+
 /// A loop around a centre.
 struct Fan
 {
@@ -58,7 +63,7 @@ public:
         std::find_if(at, lines.end(), [face = at->face](const TransitionLine& l) { return l.face != face; });
       for (auto line = at; line != end; ++line)
       {
-        if (line->from != TransitionLine::none && line->to != TransitionLine::none)
+        if (isWhole(*line))
         {
           segments_.push_back({ line->from, line->to });
         }
@@ -88,7 +93,7 @@ private:
     };
     for (const TransitionLine& line : lines)
     {
-      const bool whole = line.from != TransitionLine::none && line.to != TransitionLine::none;
+      const bool whole = isWhole(line);
       add(line.from, whole ? -1 : 1);
       add(line.to, whole ? 1 : -1);
     }
@@ -109,14 +114,43 @@ private:
         list.insert(list.end(), std::abs(missing), point);
       }
     }
+    if (from.empty())
+    {
+      return;
+    }
+    // A bilinear function has no closed contour lines: none is led back to its own beginning as long as there is
+    // a choice. So those that end on the face, not on its edges, choose first.
+    std::vector<Segment> face;
+    for (const TransitionLine& line : lines)
+    {
+      if (isWhole(line))
+      {
+        face.push_back({ line.from, line.to });
+      }
+    }
+    const auto lineTo = [&](std::int64_t point) {
+      return std::find_if(face.begin(), face.end(), [=](const Segment& s) { return s.to == point; });
+    };
+    std::stable_partition(
+      from.begin(), from.end(), [&](std::int64_t point) { return lineTo(point) == face.end(); });
     while (!from.empty() && !to.empty())
     {
-      const auto nearest = std::min_element(to.begin(), to.end(), [&](std::int64_t p, std::int64_t q) {
-        return squaredDistance(from.back(), p) < squaredDistance(from.back(), q);
+      const std::int64_t end = from.back();
+      std::int64_t beginning = end;
+      auto line = lineTo(end);
+      for (std::size_t steps = 0; line != face.end() && steps < face.size(); ++steps)
+      {
+        beginning = line->from;
+        line = lineTo(beginning);
+      }
+      const auto next = std::min_element(to.begin(), to.end(), [&](std::int64_t p, std::int64_t q) {
+        return std::pair(p == beginning, squaredDistance(end, p)) <
+          std::pair(q == beginning, squaredDistance(end, q));
       });
-      segments_.push_back({ from.back(), *nearest });
+      face.push_back({ end, *next });
+      segments_.push_back(face.back());
       from.pop_back();
-      to.erase(nearest);
+      to.erase(next);
     }
   }
 

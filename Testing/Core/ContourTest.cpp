@@ -49,6 +49,37 @@ Field makeField(const RandomTree& options, const std::vector<LeafCell>& cells)
   return field;
 }
 
+/// A field as a source of trees with a quarter of the leaves as ghosts.
+class WithGhosts
+{
+public:
+  using Handle = NodeRef;
+
+  explicit WithGhosts(const Field& field)
+    : field_(field)
+  {
+    TreePath root(field.octree());
+    forEachNode(root, [&](const TreePath& path) {
+      if (path.depth() == field.octree().grid().paddingDepth())
+      {
+        roots_.emplace_back(path.index(), path.node());
+      }
+    });
+  }
+  std::size_t rootCount() const { return roots_.size(); }
+  std::array<Coord, 3> rootPlace(std::size_t i) const { return roots_[i].first; }
+  Handle root(std::size_t i) const { return roots_[i].second; }
+  static NodeKind kind(const Handle& node) { return node.kind(); }
+  Handle child(const Handle& node, int octant) const { return field_.octree().child(node, octant); }
+  float value(const Handle& node) const { return field_.value(node); }
+  static constexpr bool ghosts() { return true; }
+  static bool isGhost(const Handle& node) { return node.index() * 2654435761u >> 5 & 1 && node.index() & 4; }
+
+private:
+  const Field& field_;
+  std::vector<std::pair<std::array<Coord, 3>, NodeRef>> roots_;
+};
+
 /// Of each edge, lower point first: how often triangles run along it up and down.
 std::map<std::array<std::int64_t, 2>, std::array<int, 2>> edgesOf(const ContourMesh& mesh)
 {
@@ -217,4 +248,71 @@ TEST(Contour, IsASurfaceWhereVerticesHaveTheIsovalue)
     }
   }
   EXPECT_GT(triangles, 100000);
+}
+
+TEST(Contour, IsASurfaceAtGhosts)
+{
+  int edges = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const Field plain = makeField(options, makeRandomTree(options));
+    auto built = buildOctree(plain.octree().grid(), WithGhosts(plain));
+    Field field(built.octree, built.values);
+    field.computeNodeRanges();
+    edges += expectSurface(contour(field, 0.05), field, "seed " + std::to_string(options.seed));
+  }
+  EXPECT_GT(edges, 1000);
+}
+
+TEST(Contour, IsClosedForValuesOfAnySize)
+{
+  std::mt19937 random(9);
+  for (const RandomTree& options : propertyTrees())
+  {
+    if (options.missing > 0.)
+    {
+      continue;
+    }
+    auto cells = makeRandomTree(options);
+    std::vector<double> isovalues;
+    for (LeafCell& c : cells)
+    {
+      c.value = std::ldexp(c.value, static_cast<int>(random() % 201) - 100);
+      if (random() % 300 == 0)
+      {
+        isovalues.push_back(c.value);
+      }
+    }
+    const Field field = makeField(options, cells);
+    for (const double isovalue : isovalues)
+    {
+      const ContourMesh mesh = contour(field, isovalue);
+      expectSurface(mesh, field, "seed " + std::to_string(options.seed) + " at " + std::to_string(isovalue));
+    }
+  }
+}
+
+TEST(Contour, PointsHaveTheIsovalue)
+{
+  // A point on an octant's edge is within 2^-24 of the edge; the centres of loops are found by iteration.
+  int centres = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto field = std::make_shared<const Field>(makeField(options, makeRandomTree(options)));
+    const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+    const ContourMesh mesh = contour(*field, 0.1);
+    const std::vector<float> values = interpolate(*field, mesh);
+    ASSERT_EQ(values.size(), mesh.points.size());
+    int off = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+    {
+      FieldSample sample;
+      ASSERT_TRUE(sampler->sample(mesh.points[i], sample));
+      EXPECT_NEAR(values[i], sample.value, 4e-7);
+      off += std::abs(values[i] - 0.1) > 4e-7;
+    }
+    EXPECT_LE(off, static_cast<int>(values.size()) / 20) << "seed " << options.seed;
+    centres += off;
+  }
+  EXPECT_LT(centres, 1000);
 }
