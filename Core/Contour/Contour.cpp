@@ -233,6 +233,10 @@ private:
         coarser |= static_cast<unsigned>(onBoundary && (leaf.coarse & ~leaf.ghosts & entry) != 0) << f;
       }
     }
+    if (gradients_)
+    {
+      addGradients(leaf, place, inside, leaf.ghost ? coarser : allFaces, part);
+    }
     if (leaf.ghost)
     {
       for (int f = 0; f < 6; ++f)
@@ -243,10 +247,6 @@ private:
         }
       }
       return;
-    }
-    if (gradients_)
-    {
-      addGradients(leaf, place, inside, part);
     }
     const OctantKey key{ depth_, { base_[0] + place[0], base_[1] + place[1], base_[2] + place[2] } };
     if (finer != 0)
@@ -282,6 +282,8 @@ private:
       fillLoops(leaf, place, next, part);
     }
   }
+
+  static constexpr unsigned allFaces = 0x3f;
 
   static constexpr int entryOfFace(int face)
   {
@@ -417,12 +419,14 @@ private:
     part.shared.push_back(shared);
   }
 
-  void addGradients(const LeafPlace& leaf, const std::array<int, 3>& place, unsigned inside, Part& part)
+  /// At the octant's points on some of its faces.
+  void addGradients(
+    const LeafPlace& leaf, const std::array<int, 3>& place, unsigned inside, unsigned faces, Part& part)
   {
     for (int e = 0; e < 12; ++e)
     {
       const OctantTables::Edge& edge = octantTables.edge[e];
-      if ((inside >> edge.low & 1) != (inside >> edge.high & 1))
+      if ((edge.faces & faces) != 0 && (inside >> edge.low & 1) != (inside >> edge.high & 1))
       {
         addGradient(place, localPoint(e), part.gradients[pointOn(leaf, place, e, part)]);
       }

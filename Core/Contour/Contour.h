@@ -37,7 +37,7 @@ struct ContourOptions
 {
   bool gradients = false;
   /// Called now and then by the calling thread with the share that is done, 0 to 1; false: stop.
-  std::function<bool(double)> progress;
+  std::function<bool(double)> progress = {};
 };
 
 /// The surface where the field passes the isovalue; at the isovalue is inside. A point on an edge of an octant

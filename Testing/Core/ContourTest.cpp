@@ -81,17 +81,26 @@ private:
 };
 
 /// Of each edge, lower point first: how often triangles run along it up and down.
-std::map<std::array<std::int64_t, 2>, std::array<int, 2>> edgesOf(const ContourMesh& mesh)
+std::vector<std::pair<std::array<std::int64_t, 2>, std::array<int, 2>>> edgesOf(const ContourMesh& mesh)
 {
-  std::map<std::array<std::int64_t, 2>, std::array<int, 2>> edges;
+  std::vector<std::pair<std::array<std::int64_t, 2>, bool>> runs;
   for (const auto& t : mesh.triangles)
   {
     for (int i = 0; i < 3; ++i)
     {
-      const std::int64_t from = t[i];
-      const std::int64_t to = t[(i + 1) % 3];
-      ++edges[{ std::min(from, to), std::max(from, to) }][from < to ? 0 : 1];
+      const auto [low, high] = std::minmax(t[i], t[(i + 1) % 3]);
+      runs.push_back({ { low, high }, t[i] == high });
     }
+  }
+  std::sort(runs.begin(), runs.end());
+  std::vector<std::pair<std::array<std::int64_t, 2>, std::array<int, 2>>> edges;
+  for (const auto& [edge, down] : runs)
+  {
+    if (edges.empty() || edges.back().first != edge)
+    {
+      edges.push_back({ edge, {} });
+    }
+    ++edges.back().second[down];
   }
   return edges;
 }
@@ -101,6 +110,7 @@ class Leaves
 {
 public:
   explicit Leaves(const Field& field)
+    : domain_(field.octree().grid().bounds())
   {
     TreePath root(field.octree());
     forEachNode(root, [&](const TreePath& path) {
@@ -114,6 +124,13 @@ public:
   /// side.
   bool isOpen(const Point& p, const Point& q) const
   {
+    for (int a = 0; a < 3; ++a)
+    {
+      if (p[a] == q[a] && (p[a] == domain_.min[a] || p[a] == domain_.max[a]))
+      {
+        return true;
+      }
+    }
     for (const Bounds& leaf : boxes_)
     {
       for (int face = 0; holds(leaf, p) && holds(leaf, q) && face < 24; ++face)
@@ -170,6 +187,7 @@ private:
     return covered < whole * (1. - 1e-9);
   }
 
+  Bounds domain_;
   std::vector<Bounds> boxes_;
 };
 
@@ -193,8 +211,8 @@ int expectSurface(const ContourMesh& mesh, const Field& field, const std::string
     wrong += !fine;
     if (!fine && wrong < 5)
     {
-      ADD_FAILURE() << name << ": edge at " << p[0] << " " << p[1] << " " << p[2] << " to " << q[0] << " " << q[1] << " " << q[2] << " has "
-                    << count[0] << " + " << count[1] << " triangles";
+      ADD_FAILURE() << name << ": edge at " << p[0] << " " << p[1] << " " << p[2] << " to " << q[0] << " "
+                    << q[1] << " " << q[2] << " has " << count[0] << " + " << count[1] << " triangles";
     }
   }
   EXPECT_EQ(wrong, 0) << name;
@@ -259,7 +277,12 @@ TEST(Contour, IsASurfaceAtGhosts)
     auto built = buildOctree(plain.octree().grid(), WithGhosts(plain));
     Field field(built.octree, built.values);
     field.computeNodeRanges();
-    edges += expectSurface(contour(field, 0.05), field, "seed " + std::to_string(options.seed));
+    const ContourMesh mesh = contour(field, 0.05, { .gradients = true });
+    edges += expectSurface(mesh, field, "seed " + std::to_string(options.seed));
+    for (const auto& g : mesh.gradients)
+    {
+      EXPECT_TRUE(std::isfinite(g[0]) && std::isfinite(g[1]) && std::isfinite(g[2]));
+    }
   }
   EXPECT_GT(edges, 1000);
 }
@@ -315,4 +338,224 @@ TEST(Contour, PointsHaveTheIsovalue)
     centres += off;
   }
   EXPECT_LT(centres, 1000);
+}
+
+namespace
+{
+
+double areaOf(const ContourMesh& mesh)
+{
+  double area = 0.;
+  for (const auto& t : mesh.triangles)
+  {
+    const Point n =
+      cross(minus(mesh.points[t[1]], mesh.points[t[0]]), minus(mesh.points[t[2]], mesh.points[t[0]]));
+    area += 0.5 * std::sqrt(dot(n, n));
+  }
+  return area;
+}
+
+/// Positive when the triangles look outside.
+double volumeOf(const ContourMesh& mesh)
+{
+  double volume = 0.;
+  for (const auto& t : mesh.triangles)
+  {
+    volume += dot(mesh.points[t[0]], cross(mesh.points[t[1]], mesh.points[t[2]])) / 6.;
+  }
+  return volume;
+}
+
+/// Cells of two sizes, `jump` levels apart, in a chequered pattern, with the values of -|p - c|.
+Field makeBall(int level, int jump, const Point& centreOfBall)
+{
+  std::vector<LeafCell> cells;
+  const Coord n = Coord(1) << level;
+  for (Coord i = 0; i < n * n * n; ++i)
+  {
+    const std::array<Coord, 3> c{ i % n, i / n % n, i / (n * n) };
+    const int finer = (c[0] + c[1] + c[2]) % 3 == 0 ? jump : 0;
+    const Coord m = Coord(1) << finer;
+    for (Coord j = 0; j < m * m * m; ++j)
+    {
+      cells.push_back(
+        { { { m * c[0] + j % m, m * c[1] + j / m % m, m * c[2] + j / (m * m) }, level + finer }, 0.f });
+    }
+  }
+  setValues(cells, [&](const Point& p) {
+    const Point d = minus(p, centreOfBall);
+    return -std::sqrt(dot(d, d));
+  });
+  return makeField({}, cells);
+}
+
+bool sameBits(const ContourMesh& p, const ContourMesh& q)
+{
+  return p.points == q.points && p.triangles == q.triangles && p.gradients == q.gradients;
+}
+
+} // namespace
+
+TEST(Contour, OfADistanceIsASphere)
+{
+  constexpr double radius = 0.3;
+  const Point middle{ 0.51, 0.48, 0.503 };
+  for (const int jump : { 0, 1, 2 })
+  {
+    std::array<double, 2> areaError{};
+    std::array<double, 2> volumeError{};
+    for (int i = 0; i < 2; ++i)
+    {
+      const ContourMesh mesh = contour(makeBall(4 + i, jump, middle), -radius);
+      const auto edges = edgesOf(mesh);
+      for (const auto& [edge, count] : edges)
+      {
+        ASSERT_TRUE(count[0] == 1 && count[1] == 1);
+      }
+      EXPECT_EQ(static_cast<std::int64_t>(mesh.points.size() + mesh.triangles.size()),
+        static_cast<std::int64_t>(edges.size()) + 2);
+      areaError[i] = std::abs(areaOf(mesh) / (4. * M_PI * radius * radius) - 1.);
+      volumeError[i] = std::abs(volumeOf(mesh) / (4. / 3. * M_PI * radius * radius * radius) - 1.);
+    }
+    EXPECT_LT(areaError[0], 0.02);
+    EXPECT_NEAR(areaError[0] / areaError[1], 4., 0.8) << jump;
+    EXPECT_NEAR(volumeError[0] / volumeError[1], 4., 0.8) << jump;
+  }
+}
+
+TEST(Contour, OfATrilinearFunctionIsExact)
+{
+  int checked = 0;
+  for (const std::uint32_t seed : { 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u })
+  {
+    const RandomTree options{ seed, { 4, 4, 4 }, 3, 0.4, 0., false };
+    auto cells = makeRandomTree(options);
+    setValues(cells, [](const Point& p) { return p[0] * p[1] * p[2]; });
+    const ContourMesh mesh = contour(makeField(options, cells), 8., { .gradients = true });
+    for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    {
+      const Point& p = mesh.points[i];
+      // Away from the domain's edge, where neighbours are missing.
+      if (*std::min_element(p.begin(), p.end()) > 0.51 && *std::max_element(p.begin(), p.end()) < 3.49)
+      {
+        EXPECT_NEAR(p[0] * p[1] * p[2], 8., 2e-5);            // of values up to 64
+        EXPECT_NEAR(mesh.gradients[i][0], p[1] * p[2], 5e-4); // rounded values over a width of 1/16
+        EXPECT_NEAR(mesh.gradients[i][1], p[0] * p[2], 5e-4);
+        EXPECT_NEAR(mesh.gradients[i][2], p[0] * p[1], 5e-4);
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GT(checked, 3000);
+}
+
+TEST(Contour, DoesNotDependOnTheNumberOfThreads)
+{
+  for (const Field& field : { makeBall(5, 1, { 0.4, 0.5, 0.6 }),
+         makeField(propertyTrees()[23], makeRandomTree(propertyTrees()[23])) })
+  {
+    std::vector<ContourMesh> meshes;
+    for (const int threads : { 1, 2, 4 })
+    {
+      const oneapi::tbb::global_control control(
+        oneapi::tbb::global_control::max_allowed_parallelism, threads);
+      meshes.push_back(contour(field, -0.25, { .gradients = true }));
+    }
+    EXPECT_GT(meshes[0].triangles.size(), 1000u);
+    EXPECT_TRUE(sameBits(meshes[0], meshes[1]));
+    EXPECT_TRUE(sameBits(meshes[0], meshes[2]));
+  }
+}
+
+TEST(Contour, TakesDeepTreesFarFromTheOrigin)
+{
+  // Refined down to level 19 around one point; the surface, a plane, goes through all sizes.
+  std::vector<LeafCell> cells;
+  std::array<Coord, 3> at{};
+  for (int level = 1; level <= 19; ++level)
+  {
+    for (int o = 0; o < 8; ++o)
+    {
+      const std::array<Coord, 3> child{ 2 * at[0] + (o & 1), 2 * at[1] + (o >> 1 & 1), 2 * at[2] + (o >> 2) };
+      if (o != (level & 7) || level == 19)
+      {
+        cells.push_back({ { child, level }, 0.f });
+      }
+    }
+    const int inner = level & 7;
+    at = { 2 * at[0] + (inner & 1), 2 * at[1] + (inner >> 1 & 1), 2 * at[2] + (inner >> 2) };
+  }
+  const Point target = centre({ at, 19 });
+  setValues(cells, [&](const Point& p) {
+    const Point d = minus(p, target);
+    return d[0] + 2. * d[1] - 0.5 * d[2];
+  });
+  const std::array<double, 3> origin{ 1e6, -1e6, 3e5 };
+  auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, origin, { 1., 1., 1. }), cells);
+  Field field(built.octree, built.values);
+  field.computeNodeRanges();
+  const ContourMesh mesh = contour(field, 0.);
+  EXPECT_GT(mesh.triangles.size(), 19u * 20u);
+  for (const auto& [edge, count] : edgesOf(mesh))
+  {
+    if (count[0] + count[1] == 1)
+    {
+      bool onBoundary = false;
+      for (int a = 0; a < 3; ++a)
+      {
+        const double p = mesh.points[edge[0]][a];
+        const double q = mesh.points[edge[1]][a];
+        onBoundary = onBoundary || (p == q && (p == origin[a] || p == origin[a] + 1.));
+      }
+      EXPECT_TRUE(onBoundary);
+      continue;
+    }
+    EXPECT_TRUE(count[0] == 1 && count[1] == 1);
+  }
+}
+
+TEST(Contour, IsEmptyWithoutCrossings)
+{
+  auto one =
+    buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), { { { {}, 0 }, 1.f } });
+  Field field(one.octree, one.values);
+  field.computeNodeRanges();
+  EXPECT_TRUE(contour(field, 1.).triangles.empty());
+  const Field ball = makeBall(2, 1, { 0.5, 0.5, 0.5 });
+  EXPECT_TRUE(contour(ball, 1.).points.empty());
+  EXPECT_TRUE(interpolate(ball, contour(ball, 1.)).empty());
+  auto none =
+    buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), std::vector<LeafCell>{});
+  Field empty(none.octree, none.values);
+  empty.computeNodeRanges();
+  EXPECT_TRUE(contour(empty, 0.).points.empty());
+}
+
+TEST(Contour, ReportsProgressAndStops)
+{
+  const Field field = makeBall(4, 1, { 0.5, 0.5, 0.5 });
+  double last = 0.;
+  const ContourMesh all = contour(field, -0.3, { .progress = [&](double done) {
+    EXPECT_GE(done, last);
+    last = done;
+    return true;
+  } });
+  EXPECT_EQ(last, 1.);
+  EXPECT_FALSE(all.triangles.empty());
+  int calls = 0;
+  const ContourMesh stopped = contour(field, -0.3, { .progress = [&](double) { return ++calls < 2; } });
+  EXPECT_EQ(calls, 2);
+  EXPECT_TRUE(stopped.points.empty());
+}
+
+TEST(Contour, RejectsWhatItCannotUse)
+{
+  const Field field = makeBall(2, 1, { 0.5, 0.5, 0.5 });
+  for (const double bad :
+    { std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity() })
+  {
+    EXPECT_THROW(contour(field, bad), Error);
+  }
+  const Field unprepared(field.sharedOctree(), field.leafValues());
+  EXPECT_THROW(contour(unprepared, 0.), Error);
 }
