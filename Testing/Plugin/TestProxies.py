@@ -105,7 +105,9 @@ class TestProxies(scene.TestCase):
         self.assertEqual("Gradients", result.GetPointData().GetArrayName(0))
 
     def test_contour_defaults(self):
-        contour = simple.TreeAMRContour(Input=simple.TreeAMRExample(Dataset="Synthetic"))
+        grid = simple.TreeAMRExample(Dataset="Synthetic")
+        grid.UpdatePipeline()
+        contour = simple.TreeAMRContour(Input=grid)
         self.assertEqual(["CELLS", "xyz"], list(contour.ContourBy))
         self.assertEqual(1, len(contour.Isosurfaces))
         self.assertEqual((1, 0, 1), (contour.ComputeNormals, contour.ComputeGradients, contour.ComputeScalars))
