@@ -14,8 +14,7 @@
 // them still form loops.
 #include "Contour/Contour.h"
 
-#include "Contour/Octant.h"
-#include "Contour/Transitions.h"
+#include "Contour/BlockContour.h"
 #include "Error.h"
 #include "Interpolation/BlockValues.h"
 #include "Octree/TreePath.h"
@@ -36,525 +35,6 @@ namespace treeamr
 
 namespace
 {
-
-/// A crossing that other blocks may find, too.
-struct SharedCrossing
-{
-  std::array<Coord, 3> middle; // of the largest edge, which it names, in half widths of the finest octants
-  int size; // of the edge on which it was found: log2 of its length over the finest octants'
-  std::int64_t point;
-
-  /// Crossings of one edge follow each other, those of the largest octants first.
-  bool operator<(const SharedCrossing& other) const noexcept
-  {
-    if (middle != other.middle)
-    {
-      return middle < other.middle;
-    }
-    return size != other.size ? size > other.size : point < other.point;
-  }
-};
-
-/// What one task finds; points count from 0 in each.
-struct Part
-{
-  std::vector<std::array<double, 3>> points;
-  std::vector<std::array<float, 4>> gradients; // sums and the number of summands
-  std::vector<SharedCrossing> shared;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<TransitionLine> lines;
-  std::vector<TransitionOctant> transitions;
-  std::vector<ContourMesh::Block> blocks;
-};
-
-/// World coordinates per axis of the five planes of a block's octants; those beyond the domain lie at its end.
-using BlockPlanes = std::array<std::array<double, 5>, 3>;
-
-BlockPlanes blockPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept
-{
-  const int level = depth + 2 - grid.paddingDepth(); // of the octants
-  BlockPlanes planes;
-  for (int a = 0; a < 3; ++a)
-  {
-    for (int i = 0; i < 5; ++i)
-    {
-      planes[a][i] = grid.worldPlane(a, std::min(4 * index[a] + i, Coord(grid.roots()[a]) << level), level);
-    }
-  }
-  return planes;
-}
-
-/// A leaf with neighbours of other sizes among the 26 around it.
-struct LeafPlace
-{
-  int octant; // in the block
-  bool ghost;
-  std::uint32_t inner;             // masks of entries of its neighbourhood: refined,
-  std::uint32_t coarse;            // parts of coarser leaves,
-  std::uint32_t ghosts;            // and of these, ghosts
-  std::array<std::uint8_t, 27> up; // levels to the coarse
-};
-
-class BlockContour
-{
-public:
-  BlockContour(const Field& field, double isovalue, bool gradients)
-    : octree_(field.octree())
-    , isovalue_(isovalue)
-    , gradients_(gradients)
-    , finestDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
-    , evaluator_(field)
-  {
-  }
-
-  /// Of the leaves among the children of the inner node at the paths' ends.
-  void extract(TreePath& path, const BlockPath& blockPath, Part& part)
-  {
-    evaluator_.compute(blockPath, BlockCells::Leaves, block_);
-    if (!(block_.range.min < isovalue_ && isovalue_ <= block_.range.max))
-    {
-      return;
-    }
-    markInside();
-    const Octree::Children children = octree_.children(path.node().index());
-    started_ = false;
-    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
-    {
-      const int octant = std::countr_zero(rest);
-      if (crossesLeaf(octant))
-      {
-        if (!started_)
-        {
-          start(path, children, part);
-        }
-        extractLeaf(path, octant, part);
-      }
-    }
-    if (started_ && static_cast<std::int64_t>(part.points.size()) == part.blocks.back().firstPoint)
-    {
-      part.blocks.pop_back();
-    }
-  }
-
-private:
-  void markInside() noexcept
-  {
-    for (int row = 0; row < 25; ++row)
-    {
-      unsigned mask = 0;
-      for (int x = 0; x < 5; ++x)
-      {
-        mask |= static_cast<unsigned>(block_.values[5 * row + x] >= isovalue_) << x;
-      }
-      inside_[row] = static_cast<std::uint8_t>(mask);
-    }
-  }
-
-  bool crossesLeaf(int octant) const noexcept
-  {
-    const int x = 2 * (octant & 1);
-    const int row = 2 * (octant >> 1 & 1) + 10 * (octant >> 2);
-    unsigned any = 0;
-    unsigned all = 7;
-    for (int i = 0; i < 9; ++i)
-    {
-      const unsigned bits = inside_[row + i % 3 + 5 * (i / 3)] >> x;
-      any |= bits;
-      all &= bits;
-    }
-    return (any & 7) != 0 && (all & 7) != 7;
-  }
-
-  void start(const TreePath& path, const Octree::Children& children, Part& part)
-  {
-    started_ = true;
-    pointOfEdge_.fill(-1);
-    alone_ = children.inner() == 0;
-    depth_ = path.depth() + 2; // of the octants
-    plane_ = blockPlanes(octree_.grid(), path.index(), path.depth());
-    for (int a = 0; a < 3; ++a)
-    {
-      base_[a] = 4 * path.index()[a];
-    }
-    part.blocks.push_back({ path.index(), path.depth(), static_cast<std::int64_t>(part.points.size()) });
-  }
-
-  void extractLeaf(TreePath& path, int octant, Part& part)
-  {
-    path.descend(octant);
-    const int depth = path.depth();
-    LeafPlace leaf{ octant, octree_.isGhost(path.node().index()), 0, 0, 0, {} };
-    const Neighbourhood& around = path.around(depth);
-    for (int e = 0; e < 27; ++e)
-    {
-      const NodeRef node = around[e];
-      leaf.inner |= static_cast<std::uint32_t>(node.isInner()) << e;
-      if (node.isLeaf() && node.depth() < depth)
-      {
-        leaf.coarse |= 1u << e;
-        leaf.ghosts |= static_cast<std::uint32_t>(octree_.isGhost(node.index())) << e;
-        leaf.up[e] = static_cast<std::uint8_t>(depth - node.depth());
-      }
-    }
-    path.ascend();
-    for (int o = 0; o < 8; ++o)
-    {
-      std::array<int, 3> place;
-      for (int a = 0; a < 3; ++a)
-      {
-        place[a] = 2 * (octant >> a & 1) + (o >> a & 1);
-      }
-      const std::uint8_t* row = inside_.data() + place[1] + 5 * place[2];
-      const auto pair = [&](int i) { return static_cast<unsigned>(row[i] >> place[0] & 3); };
-      const unsigned inside = pair(0) | pair(1) << 2 | pair(5) << 4 | pair(6) << 6;
-      if (inside != 0 && inside != 0xff)
-      {
-        extractOctant(leaf, place, inside, part);
-      }
-    }
-  }
-
-  void extractOctant(const LeafPlace& leaf, const std::array<int, 3>& place, unsigned inside, Part& part)
-  {
-    const int base = place[0] + 5 * place[1] + 25 * place[2];
-    for (int c = 0; c < 8; ++c)
-    {
-      values_[c] = block_.values[base + (c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)] - isovalue_;
-    }
-    unsigned finer = 0; // masks of faces: towards finer octants
-    unsigned coarser = 0;
-    if ((leaf.inner | leaf.coarse) != 0)
-    {
-      for (int f = 0; f < 6; ++f)
-      {
-        const std::uint32_t entry = 1u << entryOfFace(f);
-        const bool onBoundary = (place[f >> 1] & 1) == (f & 1);
-        finer |= static_cast<unsigned>(onBoundary && (leaf.inner & entry) != 0) << f;
-        coarser |= static_cast<unsigned>(onBoundary && (leaf.coarse & ~leaf.ghosts & entry) != 0) << f;
-      }
-    }
-    if (gradients_)
-    {
-      addGradients(leaf, place, inside, leaf.ghost ? coarser : allFaces, part);
-    }
-    if (leaf.ghost)
-    {
-      for (int f = 0; f < 6; ++f)
-      {
-        if (coarser >> f & 1)
-        {
-          handToCoarser(leaf, place, f, faceSegments(f, inside, values_), part);
-        }
-      }
-      return;
-    }
-    const OctantKey key{ depth_, { base_[0] + place[0], base_[1] + place[1], base_[2] + place[2] } };
-    if (finer != 0)
-    {
-      part.transitions.push_back({ key, values_ });
-    }
-    std::array<std::int8_t, 12> next;
-    next.fill(-1);
-    for (int f = 0; f < 6; ++f)
-    {
-      if (finer >> f & 1)
-      {
-        askFiner(leaf, place, f, inside, key, part);
-        continue;
-      }
-      const FaceSegments segments = faceSegments(f, inside, values_);
-      for (int i = 0; i < segments.count; ++i)
-      {
-        next[segments.from[i]] = static_cast<std::int8_t>(segments.to[i]);
-        if (finer != 0)
-        {
-          part.lines.push_back({ key, TransitionLine::ownFace, pointOn(leaf, place, segments.from[i], part),
-            pointOn(leaf, place, segments.to[i], part) });
-        }
-      }
-      if (coarser >> f & 1)
-      {
-        handToCoarser(leaf, place, f, segments, part);
-      }
-    }
-    if (finer == 0)
-    {
-      fillLoops(leaf, place, next, part);
-    }
-  }
-
-  static constexpr unsigned allFaces = 0x3f;
-
-  static constexpr int entryOfFace(int face)
-  {
-    constexpr std::array<int, 3> stride{ 1, 3, 9 };
-    return 13 + (face & 1 ? stride[face >> 1] : -stride[face >> 1]);
-  }
-
-  void handToCoarser(const LeafPlace& leaf, const std::array<int, 3>& place, int face,
-    const FaceSegments& segments, Part& part)
-  {
-    const int up = leaf.up[entryOfFace(face)];
-    OctantKey key{ depth_ - up, {} };
-    for (int a = 0; a < 3; ++a)
-    {
-      const int beside = a != face >> 1 ? 0 : face & 1 ? 1 : -1;
-      key.index[a] = (base_[a] + place[a] + beside) >> up;
-    }
-    for (int i = 0; i < segments.count; ++i)
-    {
-      // Seen from the other side.
-      part.lines.push_back({ key, face ^ 1, pointOn(leaf, place, segments.to[i], part),
-        pointOn(leaf, place, segments.from[i], part) });
-    }
-  }
-
-  /// Where lines that come from the finer side must begin and end.
-  void askFiner(const LeafPlace& leaf, const std::array<int, 3>& place, int face, unsigned inside,
-    const OctantKey& key, Part& part)
-  {
-    const OctantTables::Face& f = octantTables.face[face];
-    for (int i = 0; i < 4; ++i)
-    {
-      const bool first = inside >> f.corner[i] & 1;
-      const bool second = inside >> f.corner[(i + 1) % 4] & 1;
-      if (first != second)
-      {
-        const std::int64_t point = pointOn(leaf, place, f.edge[i], part);
-        part.lines.push_back(
-          { key, face, second ? point : TransitionLine::none, second ? TransitionLine::none : point });
-      }
-    }
-  }
-
-  int edgeSlot(const std::array<int, 3>& place, int edge) const noexcept
-  {
-    const OctantTables::Edge& e = octantTables.edge[edge];
-    return 125 * e.axis + place[0] + (e.low & 1) + 5 * (place[1] + (e.low >> 1 & 1)) +
-      25 * (place[2] + (e.low >> 2));
-  }
-
-  std::array<double, 3> localPoint(int edge) const noexcept
-  {
-    const OctantTables::Edge& e = octantTables.edge[edge];
-    std::array<double, 3> p{ double(e.low & 1), double(e.low >> 1 & 1), double(e.low >> 2) };
-    p[e.axis] = crossing(values_, edge);
-    return p;
-  }
-
-  std::uint32_t addPoint(const std::array<int, 3>& place, const std::array<double, 3>& local, Part& part)
-  {
-    std::array<double, 3> p;
-    for (int a = 0; a < 3; ++a)
-    {
-      const double low = plane_[a][place[a]];
-      const double high = plane_[a][place[a] + 1];
-      p[a] = local[a] == 1. ? high : low + local[a] * (high - low);
-    }
-    part.points.push_back(p);
-    if (gradients_)
-    {
-      part.gradients.push_back({});
-    }
-    return static_cast<std::uint32_t>(part.points.size() - 1);
-  }
-
-  /// The point on an edge of an octant with the current values.
-  std::uint32_t pointOn(const LeafPlace& leaf, const std::array<int, 3>& place, int edge, Part& part)
-  {
-    std::int32_t& known = pointOfEdge_[edgeSlot(place, edge)];
-    if (known < 0)
-    {
-      known = static_cast<std::int32_t>(addPoint(place, localPoint(edge), part));
-      nameCrossing(leaf, place, edge, known, part);
-    }
-    return static_cast<std::uint32_t>(known);
-  }
-
-  void nameCrossing(
-    const LeafPlace& leaf, const std::array<int, 3>& place, int edge, std::int64_t point, Part& part) const
-  {
-    const OctantTables::Edge& e = octantTables.edge[edge];
-    std::array<int, 3> low;    // end, in the block
-    std::array<int, 3> step{}; // to the entries beside the edge, 0 where it is inside the leaf
-    bool inBlock = alone_;
-    constexpr std::array<int, 3> stride{ 1, 3, 9 };
-    for (int a = 0; a < 3; ++a)
-    {
-      const int side = e.low >> a & 1;
-      low[a] = place[a] + side;
-      if (a != e.axis)
-      {
-        inBlock = inBlock && low[a] != 0 && low[a] != 4;
-        step[a] = (place[a] & 1) != side ? 0 : side ? stride[a] : -stride[a];
-      }
-    }
-    if (inBlock)
-    {
-      return;
-    }
-    const int b = (e.axis + 1) % 3;
-    const int c = (e.axis + 2) % 3;
-    int up = 0;
-    if (leaf.coarse != 0)
-    {
-      for (const int entry : { 13 + step[b], 13 + step[c], 13 + step[b] + step[c] })
-      {
-        const int more = leaf.up[entry];
-        const Coord rest = (Coord(1) << more) - 1;
-        if ((leaf.coarse >> entry & 1) && (((base_[b] + low[b]) | (base_[c] + low[c])) & rest) == 0)
-        {
-          up = std::max(up, more);
-        }
-      }
-    }
-    SharedCrossing shared;
-    shared.size = finestDepth_ - depth_;
-    for (int a = 0; a < 3; ++a)
-    {
-      const Coord at = base_[a] + low[a];
-      shared.middle[a] = a == e.axis ? (2 * (at >> up) + 1) << (up + shared.size) : at << (1 + shared.size);
-    }
-    shared.point = point;
-    part.shared.push_back(shared);
-  }
-
-  /// At the octant's points on some of its faces.
-  void addGradients(
-    const LeafPlace& leaf, const std::array<int, 3>& place, unsigned inside, unsigned faces, Part& part)
-  {
-    for (int e = 0; e < 12; ++e)
-    {
-      const OctantTables::Edge& edge = octantTables.edge[e];
-      if ((edge.faces & faces) != 0 && (inside >> edge.low & 1) != (inside >> edge.high & 1))
-      {
-        addGradient(place, localPoint(e), part.gradients[pointOn(leaf, place, e, part)]);
-      }
-    }
-  }
-
-  void addGradient(
-    const std::array<int, 3>& place, const std::array<double, 3>& local, std::array<float, 4>& sum) const
-  {
-    const std::array<double, 3> gradient = trilinearGradient(values_, local);
-    for (int a = 0; a < 3; ++a)
-    {
-      sum[a] += static_cast<float>(gradient[a] / (plane_[a][place[a] + 1] - plane_[a][place[a]]));
-    }
-    sum[3] += 1.f;
-  }
-
-  void fillLoops(
-    const LeafPlace& leaf, const std::array<int, 3>& place, std::array<std::int8_t, 12>& next, Part& part)
-  {
-    for (int first = 0; first < 12; ++first)
-    {
-      if (next[first] < 0)
-      {
-        continue;
-      }
-      std::array<int, 12> loop;
-      int count = 0;
-      for (int e = first; next[e] >= 0;)
-      {
-        loop[count++] = e;
-        const int to = next[e];
-        next[e] = -1;
-        e = to;
-      }
-      fillLoop(leaf, place, loop, count, part);
-    }
-  }
-
-  void fillLoop(const LeafPlace& leaf, const std::array<int, 3>& place, const std::array<int, 12>& loop,
-    int count, Part& part)
-  {
-    std::array<std::uint32_t, 12> points;
-    for (int i = 0; i < count; ++i)
-    {
-      points[i] = pointOn(leaf, place, loop[i], part);
-    }
-    if (count == 3)
-    {
-      part.triangles.push_back({ points[0], points[1], points[2] });
-      return;
-    }
-    std::array<std::array<double, 3>, 12> local;
-    for (int i = 0; i < count; ++i)
-    {
-      local[i] = localPoint(loop[i]);
-    }
-    const int apex = fanApex(loop, local, count);
-    if (apex >= 0)
-    {
-      for (int i = 1; i + 1 < count; ++i)
-      {
-        part.triangles.push_back(
-          { points[apex], points[(apex + i) % count], points[(apex + i + 1) % count] });
-      }
-      return;
-    }
-    const std::array<double, 3> centre = loopCentre(values_, local.data(), count);
-    const std::uint32_t point = addPoint(place, centre, part);
-    if (gradients_)
-    {
-      addGradient(place, centre, part.gradients[point]);
-    }
-    for (int i = 0; i < count; ++i)
-    {
-      part.triangles.push_back({ points[i], points[(i + 1) % count], point });
-    }
-  }
-
-  /// The point from which the diagonals are shortest; none may lie on a face, where the neighbour could have the
-  /// same. -1: from every point one does.
-  static int fanApex(
-    const std::array<int, 12>& loop, const std::array<std::array<double, 3>, 12>& local, int count) noexcept
-  {
-    int best = -1;
-    double shortest = 0.;
-    for (int apex = 0; apex < count; ++apex)
-    {
-      double sum = 0.;
-      bool allowed = true;
-      for (int i = 2; i + 1 < count; ++i)
-      {
-        const int other = (apex + i) % count;
-        allowed =
-          allowed && (octantTables.edge[loop[apex]].faces & octantTables.edge[loop[other]].faces) == 0;
-        for (int a = 0; a < 3; ++a)
-        {
-          const double d = local[apex][a] - local[other][a];
-          sum += d * d;
-        }
-      }
-      if (allowed && (best < 0 || sum < shortest))
-      {
-        best = apex;
-        shortest = sum;
-      }
-    }
-    return best;
-  }
-
-  const Octree& octree_;
-  double isovalue_;
-  bool gradients_;
-  int finestDepth_; // of octants
-  BlockEvaluator evaluator_;
-
-  // Of the current block.
-  BlockValues block_;
-  std::array<std::uint8_t, 25> inside_; // a bit per vertex, row after row
-  bool started_;
-  bool alone_; // no child is refined: edges inside belong to no other block
-  int depth_;  // of the octants' lattice
-  std::array<Coord, 3> base_;
-  BlockPlanes plane_;
-  std::array<std::int32_t, 375> pointOfEdge_; // axis by axis by lower end; -1: none yet
-
-  OctantValues values_; // of the current octant
-};
 
 /// That leads down to the node `up` levels above a place.
 int octantOf(const std::array<Coord, 3>& index, int up) noexcept
@@ -615,7 +95,7 @@ public:
     return list;
   }
 
-  void run(const Task& task, Part& part)
+  void run(const Task& task, ContourPart& part)
   {
     Place place(octree_);
     Range range = field_.range();
@@ -659,7 +139,7 @@ private:
     }
   }
 
-  void visit(Place& place, Range parent, BlockContour& block, Part& part) const
+  void visit(Place& place, Range parent, BlockContour& block, ContourPart& part) const
   {
     const Range range = field_.nodeRange(place.path.node(), parent);
     if (!crosses(range))
@@ -690,11 +170,11 @@ private:
 class PointNumbers
 {
 public:
-  explicit PointNumbers(const std::vector<Part>& parts)
+  explicit PointNumbers(const std::vector<ContourPart>& parts)
   {
     first_.reserve(parts.size() + 1);
     first_.push_back(0);
-    for (const Part& part : parts)
+    for (const ContourPart& part : parts)
     {
       first_.push_back(first_.back() + static_cast<std::int64_t>(part.points.size()));
     }
@@ -730,10 +210,10 @@ private:
 };
 
 template <class Member>
-auto concatenated(std::vector<Part>& parts, Member member)
+auto concatenated(std::vector<ContourPart>& parts, Member member)
 {
   std::vector<std::size_t> first{ 0 };
-  for (const Part& part : parts)
+  for (const ContourPart& part : parts)
   {
     first.push_back(first.back() + (part.*member).size());
   }
@@ -767,17 +247,24 @@ void mergeCrossings(
   numbers.assign();
 }
 
+/// The values of a block's vertices, or of one beside it.
+struct LocatedBlock
+{
+  bool known = false;
+  BlockPlanes planes;
+  BlockValues vertices;
+};
+
 /// Trilinear between a block's vertices. Just beside the octant that a point belongs to, where rounding may put
 /// it, the others' vertices weigh next to nothing.
-float interpolateIn(
-  const BlockValues& block, const BlockPlanes& planes, const std::array<double, 3>& pWorld) noexcept
+float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWorld) noexcept
 {
   int base = 0;
   std::array<double, 3> local;
   constexpr std::array<int, 3> stride{ 1, 5, 25 };
   for (int a = 0; a < 3; ++a)
   {
-    const std::array<double, 5>& plane = planes[a];
+    const double* plane = block.planes[a].data() + 1;
     int low = 0;
     while (low < 3 && pWorld[a] >= plane[low + 1] && plane[low + 2] > plane[low + 1])
     {
@@ -786,13 +273,72 @@ float interpolateIn(
     base += stride[a] * low;
     local[a] = std::clamp((pWorld[a] - plane[low]) / (plane[low + 1] - plane[low]), 0., 1.);
   }
-  OctantValues corners;
+  PieceValues corners;
   for (int c = 0; c < 8; ++c)
   {
-    corners[c] = block.values[base + (c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)];
+    corners[c] = block.vertices.values[base + (c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)];
   }
   return static_cast<float>(trilinear(corners, local));
 }
+
+/// Interpolates at points in the blocks of a mesh. The points of dual cells may lie in the block beyond, which has
+/// leaves of the same size there.
+class BlockInterpolation
+{
+public:
+  explicit BlockInterpolation(const Field& field)
+    : octree_(field.octree())
+    , evaluator_(field)
+  {
+  }
+  void goTo(const ContourMesh::Block& block) noexcept
+  {
+    block_ = block;
+    for (LocatedBlock& located : around_)
+    {
+      located.known = false;
+    }
+  }
+  float value(const std::array<double, 3>& pWorld) noexcept
+  {
+    const LocatedBlock& own = at({});
+    std::array<int, 3> offset;
+    for (int a = 0; a < 3; ++a)
+    {
+      offset[a] = (pWorld[a] > own.planes[a][5]) - (pWorld[a] < own.planes[a][1]);
+    }
+    return interpolateIn(at(offset), pWorld);
+  }
+
+private:
+  const LocatedBlock& at(const std::array<int, 3>& offset) noexcept
+  {
+    LocatedBlock& located = around_[13 + offset[0] + 3 * offset[1] + 9 * offset[2]];
+    if (!located.known)
+    {
+      std::array<Coord, 3> index;
+      for (int a = 0; a < 3; ++a)
+      {
+        index[a] = block_.index[a] + offset[a];
+      }
+      BlockPath path;
+      for (int up = block_.depth - 1; up >= 0; --up)
+      {
+        const int octant = octantOf(index, up);
+        path.descend(octant, octree_.children(path.node[path.depth]).innerIndex(octant));
+      }
+      evaluator_.compute(path, BlockCells::Leaves, located.vertices);
+      located.planes = blockPlanes(octree_.grid(), index, block_.depth);
+      located.known = true;
+    }
+    return located;
+  }
+
+  const Octree& octree_;
+  BlockEvaluator evaluator_;
+  ContourMesh::Block block_;
+  std::array<LocatedBlock, 27> around_; // and the block itself in the middle
+};
 
 bool isDegenerate(const std::array<std::int64_t, 3>& triangle) noexcept
 {
@@ -800,7 +346,7 @@ bool isDegenerate(const std::array<std::int64_t, 3>& triangle) noexcept
 }
 
 /// Numbers the points of all parts, in their order, and empties the parts but for the lines and octants.
-ContourMesh assemble(std::vector<Part>& parts)
+ContourMesh assemble(std::vector<ContourPart>& parts)
 {
   const auto forParts = [&](const auto& body) { tbb::parallel_for(std::size_t(0), parts.size(), body); };
   PointNumbers numbers(parts);
@@ -810,16 +356,16 @@ ContourMesh assemble(std::vector<Part>& parts)
       s.point += numbers.first(i);
     }
   });
-  auto sums = concatenated(parts, &Part::gradients);
+  auto sums = concatenated(parts, &ContourPart::gradients);
   {
-    auto shared = concatenated(parts, &Part::shared);
+    auto shared = concatenated(parts, &ContourPart::shared);
     mergeCrossings(shared, numbers, sums);
   }
   ContourMesh mesh;
   mesh.points.resize(numbers.count());
   mesh.gradients.resize(sums.empty() ? 0 : numbers.count());
   forParts([&](std::size_t i) {
-    Part& part = parts[i];
+    ContourPart& part = parts[i];
     std::vector<ContourMesh::Block> blocks; // that have points of their own
     auto block = part.blocks.begin();
     for (std::size_t p = 0; p < part.points.size(); ++p)
@@ -849,17 +395,17 @@ ContourMesh assemble(std::vector<Part>& parts)
     part.blocks = std::move(blocks);
     part.points = {};
   });
-  mesh.blocks = concatenated(parts, &Part::blocks);
+  mesh.blocks = concatenated(parts, &ContourPart::blocks);
 
   std::vector<std::size_t> firstTriangle{ 0 };
-  for (const Part& part : parts)
+  for (const ContourPart& part : parts)
   {
     firstTriangle.push_back(firstTriangle.back() + part.triangles.size());
   }
   mesh.triangles.resize(firstTriangle.back());
   std::atomic<bool> degenerate{ false };
   forParts([&](std::size_t i) {
-    Part& part = parts[i];
+    ContourPart& part = parts[i];
     const std::int64_t first = numbers.first(i);
     auto* triangle = mesh.triangles.data() + firstTriangle[i];
     for (const auto& points : part.triangles)
@@ -901,7 +447,7 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
   const auto goesOn = [&](double done) { return !options.progress || options.progress(done); };
   Extraction extraction(field, isovalue, options.gradients);
   const std::vector<Task> tasks = extraction.tasks();
-  std::vector<Part> parts(tasks.size());
+  std::vector<ContourPart> parts(tasks.size());
   constexpr std::size_t steps = 8;
   for (std::size_t step = 0; step < steps; ++step)
   {
@@ -913,36 +459,27 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
     }
   }
   ContourMesh mesh = assemble(parts);
-  auto lines = concatenated(parts, &Part::lines);
-  auto octants = concatenated(parts, &Part::transitions);
-  closeTransitions(field.octree().grid(), lines, octants, mesh);
+  auto lines = concatenated(parts, &ContourPart::lines);
+  auto pieces = concatenated(parts, &ContourPart::transitions);
+  closeTransitions(field.octree().grid(), lines, pieces, mesh);
   return goesOn(1.) ? std::move(mesh) : ContourMesh{};
 }
 
 std::vector<float> interpolate(const Field& field, const ContourMesh& mesh)
 {
-  const Octree& octree = field.octree();
   std::vector<float> values(mesh.points.size());
-  tbb::enumerable_thread_specific<BlockEvaluator> evaluators([&field] { return BlockEvaluator(field); });
+  tbb::enumerable_thread_specific<BlockInterpolation> interpolations(
+    [&field] { return BlockInterpolation(field); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.blocks.size(), 64), [&](const auto& range) {
-    BlockEvaluator& evaluator = evaluators.local();
+    BlockInterpolation& interpolation = interpolations.local();
     for (std::size_t b = range.begin(); b != range.end(); ++b)
     {
-      const ContourMesh::Block& block = mesh.blocks[b];
-      BlockPath path;
-      for (int up = block.depth - 1; up >= 0; --up)
-      {
-        const int octant = octantOf(block.index, up);
-        path.descend(octant, octree.children(path.node[path.depth]).innerIndex(octant));
-      }
-      BlockValues vertices;
-      evaluator.compute(path, BlockCells::Leaves, vertices);
-      const BlockPlanes planes = blockPlanes(octree.grid(), block.index, block.depth);
+      interpolation.goTo(mesh.blocks[b]);
       const std::size_t end =
         b + 1 < mesh.blocks.size() ? static_cast<std::size_t>(mesh.blocks[b + 1].firstPoint) : values.size();
-      for (auto p = static_cast<std::size_t>(block.firstPoint); p < end; ++p)
+      for (auto p = static_cast<std::size_t>(mesh.blocks[b].firstPoint); p < end; ++p)
       {
-        values[p] = interpolateIn(vertices, planes, mesh.points[p]);
+        values[p] = interpolation.value(mesh.points[p]);
       }
     }
   });

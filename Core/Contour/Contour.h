@@ -19,7 +19,7 @@ namespace treeamr
 /// faces towards ghosts, which have one.
 struct ContourMesh
 {
-  /// The inner node in whose children the points from firstPoint up to the next block's lie.
+  /// The inner node in or beside whose children the points from firstPoint up to the next block's lie.
   struct Block
   {
     std::array<Coord, 3> index{}; // on the lattice of its depth

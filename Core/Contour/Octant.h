@@ -1,4 +1,5 @@
-// One octant: a box with eight corner values, trilinear between them, and its contour lines on its faces.
+// One octant (or dual cell): a box with eight corner values, trilinear between them, and its contour lines on its
+// faces.
 #pragma once
 
 #include <array>
@@ -65,9 +66,9 @@ constexpr OctantTables makeOctantTables()
 inline constexpr OctantTables octantTables = makeOctantTables();
 
 /// Corner values minus the isovalue; from 0 up is inside.
-using OctantValues = std::array<double, 8>;
+using PieceValues = std::array<double, 8>;
 
-inline unsigned insideCorners(const OctantValues& values) noexcept
+inline unsigned insideCorners(const PieceValues& values) noexcept
 {
   unsigned mask = 0;
   for (int c = 0; c < 8; ++c)
@@ -89,7 +90,7 @@ struct FaceSegments
 
 /// Where the corners alternate, the bilinear function's saddle decides which are joined (Nielson and Hamann
 /// 1991). The neighbour that shares the four values decides likewise.
-inline FaceSegments faceSegments(int face, unsigned inside, const OctantValues& values) noexcept
+inline FaceSegments faceSegments(int face, unsigned inside, const PieceValues& values) noexcept
 {
   const OctantTables::Face& f = octantTables.face[face];
   std::array<bool, 4> in;
@@ -129,7 +130,7 @@ inline FaceSegments faceSegments(int face, unsigned inside, const OctantValues& 
   return segments;
 }
 
-inline double trilinear(const OctantValues& v, const std::array<double, 3>& p) noexcept
+inline double trilinear(const PieceValues& v, const std::array<double, 3>& p) noexcept
 {
   const auto along = [](double a, double b, double t) { return a + t * (b - a); };
   return along(along(along(v[0], v[1], p[0]), along(v[2], v[3], p[0]), p[1]),
@@ -137,7 +138,7 @@ inline double trilinear(const OctantValues& v, const std::array<double, 3>& p) n
 }
 
 /// Per width of the octant.
-inline std::array<double, 3> trilinearGradient(const OctantValues& v, const std::array<double, 3>& p) noexcept
+inline std::array<double, 3> trilinearGradient(const PieceValues& v, const std::array<double, 3>& p) noexcept
 {
   std::array<double, 3> gradient{};
   for (int c = 0; c < 8; ++c)
@@ -155,7 +156,7 @@ inline std::array<double, 3> trilinearGradient(const OctantValues& v, const std:
 }
 
 /// Of an edge where it crosses, from the lower end, 0 to 1.
-inline double crossing(const OctantValues& values, int edge) noexcept
+inline double crossing(const PieceValues& values, int edge) noexcept
 {
   constexpr double margin = 0x1p-24;
   const double low = values[octantTables.edge[edge].low];
@@ -167,7 +168,7 @@ inline double crossing(const OctantValues& values, int edge) noexcept
 /// A point of the trilinear surface near the middle of a loop on the octant's boundary, inside the loop's box: by
 /// Newton's method along the gradient, with shorter steps towards the walls.
 inline std::array<double, 3> loopCentre(
-  const OctantValues& values, const std::array<double, 3>* loop, int count) noexcept
+  const PieceValues& values, const std::array<double, 3>* loop, int count) noexcept
 {
   std::array<double, 3> p{};
   std::array<double, 3> low = loop[0];

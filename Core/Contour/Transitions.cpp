@@ -36,7 +36,7 @@ struct Fan
   std::array<float, 3> gradient;
 };
 
-/// What one octant adds.
+/// What one piece adds.
 struct Closed
 {
   std::vector<std::array<std::int64_t, 3>> triangles;
@@ -46,14 +46,14 @@ struct Closed
 class Closing
 {
 public:
-  Closing(const RootGrid& grid, const ContourMesh& mesh, const std::vector<TransitionOctant>& octants)
+  Closing(const RootGrid& grid, const ContourMesh& mesh, const std::vector<TransitionPiece>& pieces)
     : grid_(grid)
     , mesh_(mesh)
-    , octants_(octants)
+    , pieces_(pieces)
   {
   }
 
-  /// lines: those of one octant, sorted.
+  /// lines: those of one piece, sorted.
   Closed close(Lines lines)
   {
     segments_.clear();
@@ -75,7 +75,7 @@ public:
       at = end;
     }
     Closed closed;
-    link(lines.front().octant, closed);
+    link(lines.front().piece, closed);
     return closed;
   }
 
@@ -165,8 +165,8 @@ private:
     return sum;
   }
 
-  /// Follows the lines around the octant. A loop that comes back to one of its points is two.
-  void link(const OctantKey& octant, Closed& closed)
+  /// Follows the lines around the piece. A loop that comes back to one of its points is two.
+  void link(const PieceKey& key, Closed& closed)
   {
     std::sort(segments_.begin(), segments_.end());
     std::vector<bool> used(segments_.size());
@@ -185,7 +185,7 @@ private:
         const auto before = std::find(chain.begin(), chain.end(), point);
         if (before != chain.end())
         {
-          addLoop(octant, { before, chain.end() }, closed);
+          addLoop(key, { before, chain.end() }, closed);
           chain.erase(before, chain.end());
         }
         chain.push_back(point);
@@ -200,11 +200,11 @@ private:
           break;
         }
       }
-      addLoop(octant, chain, closed);
+      addLoop(key, chain, closed);
     }
   }
 
-  void addLoop(const OctantKey& octant, const std::vector<std::int64_t>& loop, Closed& closed) const
+  void addLoop(const PieceKey& key, const std::vector<std::int64_t>& loop, Closed& closed) const
   {
     if (loop.size() == 3)
     {
@@ -212,18 +212,22 @@ private:
     }
     else if (loop.size() > 3)
     {
-      closed.fans.push_back(makeFan(octant, loop));
+      closed.fans.push_back(makeFan(key, loop));
     }
   }
 
-  Fan makeFan(const OctantKey& octant, const std::vector<std::int64_t>& loop) const
+  Fan makeFan(const PieceKey& key, const std::vector<std::int64_t>& loop) const
   {
     const auto found =
-      std::lower_bound(octants_.begin(), octants_.end(), TransitionOctant{ octant, OctantValues{} });
-    // Lines on an octant without a crossing of its own are rounding around vertices at the isovalue.
-    const OctantValues values =
-      found != octants_.end() && found->octant == octant ? found->values : OctantValues{};
-    const Bounds box = grid_.nodeBounds(octant.index, octant.depth);
+      std::lower_bound(pieces_.begin(), pieces_.end(), TransitionPiece{ key, PieceValues{} });
+    // Lines on a piece without a crossing of its own are rounding around vertices at the isovalue.
+    const PieceValues values = found != pieces_.end() && found->piece == key ? found->values : PieceValues{};
+    Bounds box;
+    for (int a = 0; a < 3; ++a)
+    {
+      box.min[a] = grid_.nodePlane(a, key.index[a], key.depth);
+      box.max[a] = grid_.nodePlane(a, key.index[a] + key.width, key.depth);
+    }
     std::vector<std::array<double, 3>> local(loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i)
     {
@@ -246,28 +250,28 @@ private:
 
   const RootGrid& grid_;
   const ContourMesh& mesh_;
-  const std::vector<TransitionOctant>& octants_;
+  const std::vector<TransitionPiece>& pieces_;
   std::vector<Segment> segments_;
 };
 
 } // namespace
 
 void closeTransitions(const RootGrid& grid, std::vector<TransitionLine>& lines,
-  std::vector<TransitionOctant>& octants, ContourMesh& mesh)
+  std::vector<TransitionPiece>& pieces, ContourMesh& mesh)
 {
   tbb::parallel_sort(lines.begin(), lines.end());
-  tbb::parallel_sort(octants.begin(), octants.end());
+  tbb::parallel_sort(pieces.begin(), pieces.end());
   std::vector<Lines> groups;
   for (auto at = lines.begin(); at != lines.end();)
   {
     const auto end =
-      std::find_if(at, lines.end(), [&](const TransitionLine& l) { return l.octant != at->octant; });
+      std::find_if(at, lines.end(), [&](const TransitionLine& l) { return l.piece != at->piece; });
     groups.emplace_back(at, end);
     at = end;
   }
   std::vector<Closed> closed(groups.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 256), [&](const auto& range) {
-    Closing closing(grid, mesh, octants);
+    Closing closing(grid, mesh, pieces);
     for (std::size_t g = range.begin(); g != range.end(); ++g)
     {
       closed[g] = closing.close(groups[g]);
@@ -281,9 +285,9 @@ void closeTransitions(const RootGrid& grid, std::vector<TransitionLine>& lines,
     {
       continue;
     }
-    const OctantKey& octant = groups[g].front().octant;
-    mesh.blocks.push_back({ { octant.index[0] >> 2, octant.index[1] >> 2, octant.index[2] >> 2 },
-      octant.depth - 2, static_cast<std::int64_t>(mesh.points.size()) });
+    const PieceKey& key = groups[g].front().piece;
+    mesh.blocks.push_back({ { key.index[0] >> 2, key.index[1] >> 2, key.index[2] >> 2 }, key.depth - 2,
+      static_cast<std::int64_t>(mesh.points.size()) });
     for (const Fan& fan : closed[g].fans)
     {
       const auto centre = static_cast<std::int64_t>(mesh.points.size());
