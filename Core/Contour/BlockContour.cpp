@@ -407,15 +407,16 @@ void BlockContour::extractPiece(const Piece& piece, unsigned finer, ContourPart&
   const PieceKey key = keyOf(piece.low, piece.width);
   if (finer != 0)
   {
-    part.transitions.push_back({ key, values_ });
+    part.values.push_back(values_);
   }
+  const auto values = static_cast<std::int64_t>(part.values.size()) - 1;
   std::array<std::int8_t, 12> next;
   next.fill(-1);
   for (int f = 0; f < 6; ++f)
   {
     if (finer >> f & 1)
     {
-      askFiner(piece, f, key, part);
+      askFiner(piece, f, key, values, part);
       continue;
     }
     const FaceSegments segments = faceSegments(f, piece.inside, values_);
@@ -425,7 +426,7 @@ void BlockContour::extractPiece(const Piece& piece, unsigned finer, ContourPart&
       if (finer != 0)
       {
         part.lines.push_back({ key, TransitionLine::ownFace, pointOn(piece, segments.from[i], part),
-          pointOn(piece, segments.to[i], part) });
+          pointOn(piece, segments.to[i], part), values });
       }
     }
   }
@@ -447,7 +448,8 @@ void BlockContour::handOver(
 }
 
 /// Where lines that come from the finer side must begin and end.
-void BlockContour::askFiner(const Piece& piece, int face, const PieceKey& key, ContourPart& part)
+void BlockContour::askFiner(
+  const Piece& piece, int face, const PieceKey& key, std::int64_t values, ContourPart& part)
 {
   const OctantTables::Face& f = octantTables.face[face];
   for (int i = 0; i < 4; ++i)
@@ -458,7 +460,7 @@ void BlockContour::askFiner(const Piece& piece, int face, const PieceKey& key, C
     {
       const std::int64_t point = pointOn(piece, f.edge[i], part);
       part.lines.push_back(
-        { key, face, second ? point : TransitionLine::none, second ? TransitionLine::none : point });
+        { key, face, second ? point : TransitionLine::none, second ? TransitionLine::none : point, values });
     }
   }
 }
@@ -639,7 +641,7 @@ void BlockContour::fillLoop(const Piece& piece, const std::array<int, 12>& loop,
     part.triangles.push_back({ points[0], points[1], points[2] });
     return;
   }
-  std::array<std::array<double, 3>, 12> local;
+  std::array<std::array<double, 3>, 12> local{};
   for (int i = 0; i < count; ++i)
   {
     local[i] = localPoint(loop[i]);

@@ -43,7 +43,7 @@ struct ContourPart
   std::vector<SharedCrossing> shared;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TransitionLine> lines;
-  std::vector<TransitionPiece> transitions;
+  std::vector<PieceValues> values; // of pieces with smaller neighbours
   std::vector<ContourMesh::Block> blocks;
 };
 
@@ -98,7 +98,7 @@ private:
   void extractPiece(const Piece& piece, unsigned finer, ContourPart& part);
   void handOver(
     const Piece& piece, int face, const PieceKey& to, const FaceSegments& segments, ContourPart& part);
-  void askFiner(const Piece& piece, int face, const PieceKey& key, ContourPart& part);
+  void askFiner(const Piece& piece, int face, const PieceKey& key, std::int64_t values, ContourPart& part);
   PieceKey keyOf(const Place& low, int width) const noexcept;
   PieceKey neighbour(const Piece& piece, int face) const noexcept;
 

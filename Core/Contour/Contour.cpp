@@ -15,6 +15,7 @@
 #include "Contour/Contour.h"
 
 #include "Contour/BlockContour.h"
+#include "Contour/MortonSort.h"
 #include "Error.h"
 #include "Interpolation/BlockValues.h"
 #include "Octree/TreePath.h"
@@ -22,7 +23,6 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
@@ -35,6 +35,12 @@ namespace treeamr
 
 namespace
 {
+
+/// Of the finest octants.
+int octantDepth(const Octree& octree) noexcept
+{
+  return octree.grid().paddingDepth() + octree.leafLevels() + 1;
+}
 
 /// That leads down to the node `up` levels above a place.
 int octantOf(const std::array<Coord, 3>& index, int up) noexcept
@@ -227,10 +233,10 @@ auto concatenated(std::vector<ContourPart>& parts, Member member)
 }
 
 /// Joins what all parts say about one crossing.
-void mergeCrossings(
-  std::vector<SharedCrossing>& shared, PointNumbers& numbers, std::vector<std::array<float, 4>>& gradients)
+void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointNumbers& numbers,
+  std::vector<std::array<float, 4>>& gradients)
 {
-  tbb::parallel_sort(shared.begin(), shared.end());
+  sortByPlace(shared, octantDepth + 2, [](const SharedCrossing& s) { return s.middle; });
   for (std::size_t i = 0, owner = 0; i < shared.size(); ++i)
   {
     if (i == owner || shared[i].middle != shared[owner].middle)
@@ -346,7 +352,7 @@ bool isDegenerate(const std::array<std::int64_t, 3>& triangle) noexcept
 }
 
 /// Numbers the points of all parts, in their order, and empties the parts but for the lines and octants.
-ContourMesh assemble(std::vector<ContourPart>& parts)
+ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
 {
   const auto forParts = [&](const auto& body) { tbb::parallel_for(std::size_t(0), parts.size(), body); };
   PointNumbers numbers(parts);
@@ -359,7 +365,7 @@ ContourMesh assemble(std::vector<ContourPart>& parts)
   auto sums = concatenated(parts, &ContourPart::gradients);
   {
     auto shared = concatenated(parts, &ContourPart::shared);
-    mergeCrossings(shared, numbers, sums);
+    mergeCrossings(octantDepth, shared, numbers, sums);
   }
   ContourMesh mesh;
   mesh.points.resize(numbers.count());
@@ -398,8 +404,10 @@ ContourMesh assemble(std::vector<ContourPart>& parts)
   mesh.blocks = concatenated(parts, &ContourPart::blocks);
 
   std::vector<std::size_t> firstTriangle{ 0 };
+  std::vector<std::int64_t> firstValues{ 0 };
   for (const ContourPart& part : parts)
   {
+    firstValues.push_back(firstValues.back() + static_cast<std::int64_t>(part.values.size()));
     firstTriangle.push_back(firstTriangle.back() + part.triangles.size());
   }
   mesh.triangles.resize(firstTriangle.back());
@@ -419,6 +427,7 @@ ContourMesh assemble(std::vector<ContourPart>& parts)
     part.triangles = {};
     for (TransitionLine& line : part.lines)
     {
+      line.values += line.values == TransitionLine::none ? 0 : firstValues[i];
       for (std::int64_t* point : { &line.from, &line.to })
       {
         *point = *point == TransitionLine::none ? *point : numbers(first + *point);
@@ -458,10 +467,10 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
       return {};
     }
   }
-  ContourMesh mesh = assemble(parts);
+  ContourMesh mesh = assemble(octantDepth(field.octree()), parts);
   auto lines = concatenated(parts, &ContourPart::lines);
-  auto pieces = concatenated(parts, &ContourPart::transitions);
-  closeTransitions(field.octree().grid(), lines, pieces, mesh);
+  const auto values = concatenated(parts, &ContourPart::values);
+  closeTransitions(field.octree().grid(), octantDepth(field.octree()), lines, values, mesh);
   return goesOn(1.) ? std::move(mesh) : ContourMesh{};
 }
 

@@ -1,10 +1,10 @@
 #include "Contour/Transitions.h"
 
+#include "Contour/MortonSort.h"
+
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <limits>
 #include <span>
 
 namespace treeamr
@@ -28,33 +28,29 @@ bool isWhole(const TransitionLine& line) noexcept
   return line.from != TransitionLine::none && line.to != TransitionLine::none;
 }
 
-/// A loop around a centre.
-struct Fan
-{
-  std::vector<std::int64_t> loop;
-  std::array<double, 3> centre;
-  std::array<float, 3> gradient;
-};
-
-/// What one piece adds.
+/// What some pieces add.
 struct Closed
 {
-  std::vector<std::array<std::int64_t, 3>> triangles;
-  std::vector<Fan> fans;
+  std::vector<std::array<std::int64_t, 3>> triangles; // of points of the mesh or ~ a centre
+  std::vector<std::array<double, 3>> centres;
+  std::vector<std::array<float, 3>> gradients; // at the centres
+  std::vector<ContourMesh::Block> blocks;      // of the centres
 };
 
 class Closing
 {
 public:
-  Closing(const RootGrid& grid, const ContourMesh& mesh, const std::vector<TransitionPiece>& pieces)
+  Closing(
+    const RootGrid& grid, const ContourMesh& mesh, const std::vector<PieceValues>& values, Closed& closed)
     : grid_(grid)
     , mesh_(mesh)
-    , pieces_(pieces)
+    , values_(values)
+    , closed_(closed)
   {
   }
 
   /// lines: those of one piece, sorted.
-  Closed close(Lines lines)
+  void close(Lines lines)
   {
     segments_.clear();
     for (auto at = lines.begin(); at != lines.end();)
@@ -74,9 +70,18 @@ public:
       }
       at = end;
     }
-    Closed closed;
-    link(lines.front().piece, closed);
-    return closed;
+    const PieceKey& key = lines.front().piece;
+    const auto own = std::find_if(lines.begin(), lines.end(),
+      [](const TransitionLine& line) { return line.values != TransitionLine::none; });
+    // Lines on a piece without a crossing of its own are rounding around vertices at the isovalue.
+    pieceValues_ = own != lines.end() ? values_[own->values] : PieceValues{};
+    const std::size_t firstCentre = closed_.centres.size();
+    link(key);
+    if (closed_.centres.size() > firstCentre)
+    {
+      closed_.blocks.push_back({ { key.index[0] >> 2, key.index[1] >> 2, key.index[2] >> 2 }, key.depth - 2,
+        static_cast<std::int64_t>(firstCentre) });
+    }
   }
 
 private:
@@ -166,7 +171,7 @@ private:
   }
 
   /// Follows the lines around the piece. A loop that comes back to one of its points is two.
-  void link(const PieceKey& key, Closed& closed)
+  void link(const PieceKey& key)
   {
     std::sort(segments_.begin(), segments_.end());
     std::vector<bool> used(segments_.size());
@@ -185,7 +190,7 @@ private:
         const auto before = std::find(chain.begin(), chain.end(), point);
         if (before != chain.end())
         {
-          addLoop(key, { before, chain.end() }, closed);
+          addLoop(key, { before, chain.end() });
           chain.erase(before, chain.end());
         }
         chain.push_back(point);
@@ -200,108 +205,138 @@ private:
           break;
         }
       }
-      addLoop(key, chain, closed);
+      addLoop(key, chain);
     }
   }
 
-  void addLoop(const PieceKey& key, const std::vector<std::int64_t>& loop, Closed& closed) const
+  void addLoop(const PieceKey& key, std::span<const std::int64_t> loop)
   {
     if (loop.size() == 3)
     {
-      closed.triangles.push_back({ loop[0], loop[1], loop[2] });
+      closed_.triangles.push_back({ loop[0], loop[1], loop[2] });
     }
     else if (loop.size() > 3)
     {
-      closed.fans.push_back(makeFan(key, loop));
+      const auto centre = static_cast<std::int64_t>(closed_.centres.size());
+      for (std::size_t i = 0; i < loop.size(); ++i)
+      {
+        closed_.triangles.push_back({ loop[i], loop[(i + 1) % loop.size()], ~centre });
+      }
+      addCentre(key, loop);
     }
   }
 
-  Fan makeFan(const PieceKey& key, const std::vector<std::int64_t>& loop) const
+  void addCentre(const PieceKey& key, std::span<const std::int64_t> loop)
   {
-    const auto found =
-      std::lower_bound(pieces_.begin(), pieces_.end(), TransitionPiece{ key, PieceValues{} });
-    // Lines on a piece without a crossing of its own are rounding around vertices at the isovalue.
-    const PieceValues values = found != pieces_.end() && found->piece == key ? found->values : PieceValues{};
-    Bounds box;
+    std::array<double, 3> low;
+    std::array<double, 3> width;
     for (int a = 0; a < 3; ++a)
     {
-      box.min[a] = grid_.nodePlane(a, key.index[a], key.depth);
-      box.max[a] = grid_.nodePlane(a, key.index[a] + key.width, key.depth);
+      low[a] = grid_.nodePlane(a, key.index[a], key.depth);
+      width[a] = grid_.nodePlane(a, key.index[a] + key.width, key.depth) - low[a];
     }
-    std::vector<std::array<double, 3>> local(loop.size());
+    local_.resize(loop.size());
     for (std::size_t i = 0; i < loop.size(); ++i)
     {
       for (int a = 0; a < 3; ++a)
       {
-        local[i][a] = (mesh_.points[loop[i]][a] - box.min[a]) / (box.max[a] - box.min[a]);
+        local_[i][a] = (mesh_.points[loop[i]][a] - low[a]) / width[a];
       }
     }
-    const std::array<double, 3> centre = loopCentre(values, local.data(), static_cast<int>(loop.size()));
-    const std::array<double, 3> gradient = trilinearGradient(values, centre);
-    Fan fan{ loop, {}, {} };
+    const std::array<double, 3> local =
+      loopCentre(pieceValues_, local_.data(), static_cast<int>(loop.size()));
+    const std::array<double, 3> slope = trilinearGradient(pieceValues_, local);
+    std::array<double, 3>& centre = closed_.centres.emplace_back();
+    std::array<float, 3>& gradient = closed_.gradients.emplace_back();
     for (int a = 0; a < 3; ++a)
     {
-      const double width = box.max[a] - box.min[a];
-      fan.centre[a] = box.min[a] + centre[a] * width;
-      fan.gradient[a] = static_cast<float>(gradient[a] / width);
+      centre[a] = low[a] + local[a] * width[a];
+      gradient[a] = static_cast<float>(slope[a] / width[a]);
     }
-    return fan;
   }
 
   const RootGrid& grid_;
   const ContourMesh& mesh_;
-  const std::vector<TransitionPiece>& pieces_;
+  const std::vector<PieceValues>& values_;
+  Closed& closed_;
+  PieceValues pieceValues_;
   std::vector<Segment> segments_;
+  std::vector<std::array<double, 3>> local_;
 };
+
+/// Puts the centres behind the mesh's points.
+void append(std::vector<Closed>& closed, ContourMesh& mesh)
+{
+  std::vector<std::size_t> firstCentre{ mesh.points.size() };
+  std::vector<std::size_t> firstTriangle{ mesh.triangles.size() };
+  for (const Closed& c : closed)
+  {
+    firstCentre.push_back(firstCentre.back() + c.centres.size());
+    firstTriangle.push_back(firstTriangle.back() + c.triangles.size());
+    for (ContourMesh::Block block : c.blocks)
+    {
+      block.firstPoint += static_cast<std::int64_t>(firstCentre[firstCentre.size() - 2]);
+      mesh.blocks.push_back(block);
+    }
+  }
+  const bool gradients = !mesh.gradients.empty();
+  mesh.points.resize(firstCentre.back());
+  mesh.gradients.resize(gradients ? firstCentre.back() : 0);
+  mesh.triangles.resize(firstTriangle.back());
+  tbb::parallel_for(std::size_t(0), closed.size(), [&](std::size_t i) {
+    std::copy(closed[i].centres.begin(), closed[i].centres.end(), mesh.points.begin() + firstCentre[i]);
+    if (gradients)
+    {
+      std::copy(
+        closed[i].gradients.begin(), closed[i].gradients.end(), mesh.gradients.begin() + firstCentre[i]);
+    }
+    auto* to = mesh.triangles.data() + firstTriangle[i];
+    for (const auto& triangle : closed[i].triangles)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        (*to)[c] = triangle[c] >= 0 ? triangle[c] : static_cast<std::int64_t>(firstCentre[i]) + ~triangle[c];
+      }
+      ++to;
+    }
+    closed[i] = {};
+  });
+}
 
 } // namespace
 
-void closeTransitions(const RootGrid& grid, std::vector<TransitionLine>& lines,
-  std::vector<TransitionPiece>& pieces, ContourMesh& mesh)
+void closeTransitions(const RootGrid& grid, int octantDepth, std::vector<TransitionLine>& lines,
+  const std::vector<PieceValues>& values, ContourMesh& mesh)
 {
-  tbb::parallel_sort(lines.begin(), lines.end());
-  tbb::parallel_sort(pieces.begin(), pieces.end());
-  std::vector<Lines> groups;
-  for (auto at = lines.begin(); at != lines.end();)
-  {
-    const auto end =
-      std::find_if(at, lines.end(), [&](const TransitionLine& l) { return l.piece != at->piece; });
-    groups.emplace_back(at, end);
-    at = end;
-  }
-  std::vector<Closed> closed(groups.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 256), [&](const auto& range) {
-    Closing closing(grid, mesh, pieces);
-    for (std::size_t g = range.begin(); g != range.end(); ++g)
+  sortByPlace(lines, octantDepth, [=](const TransitionLine& line) {
+    std::array<Coord, 3> place = line.piece.index;
+    for (Coord& p : place)
     {
-      closed[g] = closing.close(groups[g]);
+      p <<= octantDepth - line.piece.depth;
+    }
+    return place;
+  });
+  constexpr std::size_t chunk = 4096; // lines
+  std::vector<Closed> closed((lines.size() + chunk - 1) / chunk);
+  tbb::parallel_for(std::size_t(0), closed.size(), [&](std::size_t i) {
+    Closing closing(grid, mesh, values, closed[i]);
+    const auto isFirst = [&](std::size_t l) { return l == 0 || lines[l].piece != lines[l - 1].piece; };
+    // Pieces whose first line is in the chunk.
+    for (std::size_t l = i * chunk; l < std::min((i + 1) * chunk, lines.size());)
+    {
+      std::size_t end = l + 1;
+      while (end < lines.size() && !isFirst(end))
+      {
+        ++end;
+      }
+      if (isFirst(l))
+      {
+        closing.close({ lines.data() + l, end - l });
+      }
+      l = end;
     }
   });
-  const bool gradients = !mesh.gradients.empty();
-  for (std::size_t g = 0; g < groups.size(); ++g)
-  {
-    mesh.triangles.insert(mesh.triangles.end(), closed[g].triangles.begin(), closed[g].triangles.end());
-    if (closed[g].fans.empty())
-    {
-      continue;
-    }
-    const PieceKey& key = groups[g].front().piece;
-    mesh.blocks.push_back({ { key.index[0] >> 2, key.index[1] >> 2, key.index[2] >> 2 }, key.depth - 2,
-      static_cast<std::int64_t>(mesh.points.size()) });
-    for (const Fan& fan : closed[g].fans)
-    {
-      const auto centre = static_cast<std::int64_t>(mesh.points.size());
-      mesh.points.push_back(fan.centre);
-      if (gradients)
-      {
-        mesh.gradients.push_back(fan.gradient);
-      }
-      for (std::size_t i = 0; i < fan.loop.size(); ++i)
-      {
-        mesh.triangles.push_back({ fan.loop[i], fan.loop[(i + 1) % fan.loop.size()], centre });
-      }
-    }
-  }
+  append(closed, mesh);
 }
 
 } // namespace treeamr

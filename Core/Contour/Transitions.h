@@ -41,6 +41,7 @@ struct TransitionLine
   int face = ownFace;
   std::int64_t from = none; // points of the mesh
   std::int64_t to = none;
+  std::int64_t values = none; // number of the piece's values; none for lines that others hand to it
 
   bool operator<(const TransitionLine& other) const noexcept
   {
@@ -48,20 +49,12 @@ struct TransitionLine
     {
       return piece < other.piece;
     }
-    return std::tie(face, from, to) < std::tie(other.face, other.from, other.to);
+    return std::tie(face, from, to, values) < std::tie(other.face, other.from, other.to, other.values);
   }
 };
 
-struct TransitionPiece
-{
-  PieceKey piece;
-  PieceValues values{};
-
-  bool operator<(const TransitionPiece& other) const noexcept { return piece < other.piece; }
-};
-
-/// Adds the triangles within the pieces that the lines lie on. Both lists are sorted on return.
-void closeTransitions(const RootGrid& grid, std::vector<TransitionLine>& lines,
-  std::vector<TransitionPiece>& pieces, ContourMesh& mesh);
+/// Adds the triangles within the pieces that the lines lie on. octantDepth: of the finest octants. Sorts the lines.
+void closeTransitions(const RootGrid& grid, int octantDepth, std::vector<TransitionLine>& lines,
+  const std::vector<PieceValues>& values, ContourMesh& mesh);
 
 } // namespace treeamr
