@@ -175,9 +175,10 @@ void BlockContour::start(const TreePath& path, const Octree::Children& children,
   part.blocks.push_back({ path.index(), path.depth(), static_cast<std::int64_t>(part.points.size()) });
 }
 
+/// A block is plain when its children are eight drawn leaves.
 void BlockContour::gatherCells(const TreePath& path)
 {
-  cells_.fill(0);
+  plain_ = 0;
   const Neighbourhood& around = path.around(path.depth());
   for (int e = 0; e < 27; ++e)
   {
@@ -186,23 +187,19 @@ void BlockContour::gatherCells(const TreePath& path)
       continue;
     }
     const Octree::Children children = octree_.children(around[e].index());
-    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
+    bool plain = children.allLeaves();
+    for (int o = 0; plain && o < 8; ++o)
     {
-      const int octant = std::countr_zero(rest);
-      const std::uint64_t leaf = children.leafIndex(octant);
-      if (octree_.isGhost(leaf))
-      {
-        continue;
-      }
-      const Place cell{ 2 * (e % 3) + (octant & 1), 2 * (e / 3 % 3) + (octant >> 1 & 1),
-        2 * (e / 9) + (octant >> 2) }; // from the first of the six
-      cells_[cell[1] + 6 * cell[2]] |= static_cast<std::uint8_t>(1u << cell[0]);
-      const auto isNear = [](int c) { return c > 0 && c < 5; };
+      plain = !octree_.isGhost(children.firstLeaf + o);
+      const Place cell{ 2 * (e % 3) + (o & 1) - 1, 2 * (e / 3 % 3) + (o >> 1 & 1) - 1,
+        2 * (e / 9) + (o >> 2) - 1 }; // from the first of the four
+      const auto isNear = [](int c) { return c >= 0 && c < 4; };
       if (isNear(cell[0]) && isNear(cell[1]) && isNear(cell[2]))
       {
-        cellValues_[cell[0] - 1 + 4 * (cell[1] - 1) + 16 * (cell[2] - 1)] = field_.leafValues()[leaf];
+        cellValues_[cell[0] + 4 * cell[1] + 16 * cell[2]] = field_.leafValues()[children.firstLeaf + o];
       }
     }
+    plain_ |= static_cast<std::uint32_t>(plain) << e;
   }
 }
 
@@ -220,10 +217,16 @@ void BlockContour::markMerged() noexcept
   {
     for (int y = 0; y < 5; ++y)
     {
-      const std::uint8_t* row = cells_.data() + y + 6 * z;
-      const unsigned both = row[0] & row[1] & row[6] & row[7];
+      // Rows of the blocks on either side of the vertices.
+      const auto row = [&](int i, int j) { return plain_ >> (3 * i + 9 * j) & 7; };
+      const int y0 = y / 2;
+      const int y1 = (y + 1) / 2;
+      const unsigned blocks = row(y0, z / 2) & row(y1, z / 2) & row(y0, (z + 1) / 2) & row(y1, (z + 1) / 2);
+      const unsigned both = blocks & blocks >> 1;
+      const unsigned xs =
+        (blocks & 1) | (both & 1) << 1 | (blocks & 2) << 1 | (both & 2) << 2 | (blocks & 4) << 2;
       const bool isEven = (even[1] >> y & 1) && (even[2] >> z & 1);
-      merged_[y + 5 * z] = isEven ? static_cast<std::uint8_t>(both & both >> 1 & even[0]) : 0;
+      merged_[y + 5 * z] = isEven ? static_cast<std::uint8_t>(xs & even[0]) : 0;
     }
   }
 }

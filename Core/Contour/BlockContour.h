@@ -127,11 +127,12 @@ private:
   int depth_;  // of the octants' lattice
   std::array<Coord, 3> base_;
   BlockPlanes plane_;
-  // Leaves of the children's size that are drawn, from -2 to 3 times it from the block's corner: a bit each in rows
-  // along x. Values are there from -1 to 2.
-  std::array<std::uint8_t, 36> cells_;
+  // Of the blocks around and this one, a bit each: whether eight drawn leaves are their children.
+  std::uint32_t plain_;
+  // Of the children of these blocks, from -1 to 2 times their size from the block's corner.
   std::array<float, 64> cellValues_;
-  // Vertices between these cells, from -1 to 3, around which octants make a dual cell.
+  // Vertices between these leaves, from -1 to 3 times their size from the block's corner, around which octants make
+  // a dual cell: a bit each in rows along x.
   std::array<std::uint8_t, 25> merged_;
   // By axis and lower end; -1: none yet.
   std::array<std::int32_t, 375> pointOfEdge_;
