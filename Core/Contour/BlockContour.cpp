@@ -33,6 +33,20 @@ bool isEvenAt(const RootGrid& grid, int axis, Coord index, int depth) noexcept
   return std::abs(above - below) <= 1e-9 * below;
 }
 
+/// Whether the domain is covered.
+bool hasAllCells(const Octree& octree) noexcept
+{
+  std::uint64_t cells = 1; // when none is refined
+  for (const int roots : octree.grid().roots())
+  {
+    cells *= static_cast<std::uint64_t>(roots);
+  }
+  const int padding = octree.grid().paddingDepth();
+  const std::uint64_t above =
+    padding < octree.innerDepths() ? octree.firstInner(padding) : octree.innerCount();
+  return octree.leafCount() == cells + 7 * (octree.innerCount() - above);
+}
+
 /// The point from which the diagonals are shortest; none may lie on a face, where the neighbour could have the
 /// same. -1: from every point one does.
 int fanApex(
@@ -85,6 +99,7 @@ BlockContour::BlockContour(const Field& field, double isovalue, bool gradients)
   , field_(field)
   , isovalue_(isovalue)
   , gradients_(gradients)
+  , noneMissing_(hasAllCells(octree_))
   , finestDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
   , evaluator_(field)
 {
@@ -410,16 +425,20 @@ void BlockContour::extractPiece(const Piece& piece, unsigned finer, ContourPart&
   const PieceKey key = keyOf(piece.low, piece.width);
   if (finer != 0)
   {
+    part.lines.push_back({ key, static_cast<std::int64_t>(part.values.size()), TransitionLine::none,
+      TransitionLine::valuesFace });
     part.values.push_back(values_);
   }
-  const auto values = static_cast<std::int64_t>(part.values.size()) - 1;
   std::array<std::int8_t, 12> next;
   next.fill(-1);
   for (int f = 0; f < 6; ++f)
   {
     if (finer >> f & 1)
     {
-      askFiner(piece, f, key, values, part);
+      if (!isComplete(key))
+      {
+        askFiner(piece, f, key, part);
+      }
       continue;
     }
     const FaceSegments segments = faceSegments(f, piece.inside, values_);
@@ -428,8 +447,8 @@ void BlockContour::extractPiece(const Piece& piece, unsigned finer, ContourPart&
       next[segments.from[i]] = static_cast<std::int8_t>(segments.to[i]);
       if (finer != 0)
       {
-        part.lines.push_back({ key, TransitionLine::ownFace, pointOn(piece, segments.from[i], part),
-          pointOn(piece, segments.to[i], part), values });
+        part.lines.push_back({ key, pointOn(piece, segments.from[i], part),
+          pointOn(piece, segments.to[i], part), TransitionLine::ownFace });
       }
     }
   }
@@ -445,14 +464,13 @@ void BlockContour::handOver(
 {
   for (int i = 0; i < segments.count; ++i)
   {
-    part.lines.push_back(
-      { to, face ^ 1, pointOn(piece, segments.to[i], part), pointOn(piece, segments.from[i], part) });
+    part.lines.push_back({ to, pointOn(piece, segments.to[i], part), pointOn(piece, segments.from[i], part),
+      isComplete(to) ? TransitionLine::ownFace : face ^ 1 });
   }
 }
 
 /// Where lines that come from the finer side must begin and end.
-void BlockContour::askFiner(
-  const Piece& piece, int face, const PieceKey& key, std::int64_t values, ContourPart& part)
+void BlockContour::askFiner(const Piece& piece, int face, const PieceKey& key, ContourPart& part)
 {
   const OctantTables::Face& f = octantTables.face[face];
   for (int i = 0; i < 4; ++i)
@@ -463,9 +481,15 @@ void BlockContour::askFiner(
     {
       const std::int64_t point = pointOn(piece, f.edge[i], part);
       part.lines.push_back(
-        { key, face, second ? point : TransitionLine::none, second ? TransitionLine::none : point, values });
+        { key, second ? point : TransitionLine::none, second ? TransitionLine::none : point, face });
     }
   }
+}
+
+/// Whether smaller pieces at a piece's faces cover them.
+bool BlockContour::isComplete(const PieceKey& key) const noexcept
+{
+  return noneMissing_ || key.width == 2;
 }
 
 PieceKey BlockContour::keyOf(const Place& low, int width) const noexcept

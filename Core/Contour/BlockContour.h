@@ -98,7 +98,8 @@ private:
   void extractPiece(const Piece& piece, unsigned finer, ContourPart& part);
   void handOver(
     const Piece& piece, int face, const PieceKey& to, const FaceSegments& segments, ContourPart& part);
-  void askFiner(const Piece& piece, int face, const PieceKey& key, std::int64_t values, ContourPart& part);
+  void askFiner(const Piece& piece, int face, const PieceKey& key, ContourPart& part);
+  bool isComplete(const PieceKey& key) const noexcept;
   PieceKey keyOf(const Place& low, int width) const noexcept;
   PieceKey neighbour(const Piece& piece, int face) const noexcept;
 
@@ -116,7 +117,8 @@ private:
   const Field& field_;
   double isovalue_;
   bool gradients_;
-  int finestDepth_; // of octants
+  bool noneMissing_; // cells of the domain
+  int finestDepth_;  // of octants
   BlockEvaluator evaluator_;
 
   // Of the current block.

@@ -427,7 +427,11 @@ ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
     part.triangles = {};
     for (TransitionLine& line : part.lines)
     {
-      line.values += line.values == TransitionLine::none ? 0 : firstValues[i];
+      if (line.face == TransitionLine::valuesFace)
+      {
+        line.from += firstValues[i];
+        continue;
+      }
       for (std::int64_t* point : { &line.from, &line.to })
       {
         *point = *point == TransitionLine::none ? *point : numbers(first + *point);

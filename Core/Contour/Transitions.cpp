@@ -64,17 +64,16 @@ public:
           segments_.push_back({ line->from, line->to });
         }
       }
-      if (at->face != TransitionLine::ownFace)
+      if (at->face >= 0)
       {
         completeFace({ at, end });
       }
       at = end;
     }
     const PieceKey& key = lines.front().piece;
-    const auto own = std::find_if(lines.begin(), lines.end(),
-      [](const TransitionLine& line) { return line.values != TransitionLine::none; });
     // Lines on a piece without a crossing of its own are rounding around vertices at the isovalue.
-    pieceValues_ = own != lines.end() ? values_[own->values] : PieceValues{};
+    const bool hasValues = lines.front().face == TransitionLine::valuesFace;
+    pieceValues_ = hasValues ? values_[lines.front().from] : PieceValues{};
     const std::size_t firstCentre = closed_.centres.size();
     link(key);
     if (closed_.centres.size() > firstCentre)

@@ -31,17 +31,18 @@ struct PieceKey
   }
 };
 
-/// A contour line on the boundary of a piece, in the direction of FaceSegments.
+/// A contour line on the boundary of a piece, in the direction of FaceSegments. Or, to go with the piece's lines,
+/// the number of its values.
 struct TransitionLine
 {
-  static constexpr int ownFace = -1;       // of a face that the piece does not share with smaller ones
+  static constexpr int ownFace = -1;       // of a face of which all lines are there
+  static constexpr int valuesFace = -2;    // no line: `from` is the number of the values
   static constexpr std::int64_t none = -1; // in place of a point: the face's lines must begin or end here
 
   PieceKey piece;
-  int face = ownFace;
   std::int64_t from = none; // points of the mesh
   std::int64_t to = none;
-  std::int64_t values = none; // number of the piece's values; none for lines that others hand to it
+  int face = ownFace;
 
   bool operator<(const TransitionLine& other) const noexcept
   {
@@ -49,7 +50,7 @@ struct TransitionLine
     {
       return piece < other.piece;
     }
-    return std::tie(face, from, to, values) < std::tie(other.face, other.from, other.to, other.values);
+    return std::tie(face, from, to) < std::tie(other.face, other.from, other.to);
   }
 };
 
