@@ -18,21 +18,6 @@ constexpr int entryOfFace(int face)
   return 13 + (face & 1 ? entryStride[face >> 1] : -entryStride[face >> 1]);
 }
 
-/// Whether the planes at both sides of a lattice plane of a depth lie equally far away, but for rounding.
-bool isEvenAt(const RootGrid& grid, int axis, Coord index, int depth) noexcept
-{
-  const int level = depth - grid.paddingDepth();
-  const Coord root = index >> level;
-  if ((root << level) != index || root <= 0 || root >= grid.roots()[axis])
-  {
-    return true;
-  }
-  const double plane = grid.worldPlane(axis, root, 0);
-  const double below = plane - grid.worldPlane(axis, root - 1, 0);
-  const double above = grid.worldPlane(axis, root + 1, 0) - plane;
-  return std::abs(above - below) <= 1e-9 * below;
-}
-
 /// Whether the domain is covered.
 bool hasAllCells(const Octree& octree) noexcept
 {
@@ -134,7 +119,7 @@ void BlockContour::extract(TreePath& path, const BlockPath& blockPath, ContourPa
   for (int corner = 0; corner < 27; ++corner)
   {
     const Place place{ corner % 3, corner / 3 % 3, corner / 9 };
-    if (isMerged(place))
+    if (dualCells_.has(place))
     {
       extractDual(place, part);
     }
@@ -185,70 +170,8 @@ void BlockContour::start(const TreePath& path, const Octree::Children& children,
   {
     base_[a] = 4 * path.index()[a];
   }
-  gatherCells(path);
-  markMerged();
+  dualCells_.find(path, field_);
   part.blocks.push_back({ path.index(), path.depth(), static_cast<std::int64_t>(part.points.size()) });
-}
-
-/// A block is plain when its children are eight drawn leaves.
-void BlockContour::gatherCells(const TreePath& path)
-{
-  plain_ = 0;
-  const Neighbourhood& around = path.around(path.depth());
-  for (int e = 0; e < 27; ++e)
-  {
-    if (!around[e].isInner())
-    {
-      continue;
-    }
-    const Octree::Children children = octree_.children(around[e].index());
-    bool plain = children.allLeaves();
-    for (int o = 0; plain && o < 8; ++o)
-    {
-      plain = !octree_.isGhost(children.firstLeaf + o);
-      const Place cell{ 2 * (e % 3) + (o & 1) - 1, 2 * (e / 3 % 3) + (o >> 1 & 1) - 1,
-        2 * (e / 9) + (o >> 2) - 1 }; // from the first of the four
-      const auto isNear = [](int c) { return c >= 0 && c < 4; };
-      if (isNear(cell[0]) && isNear(cell[1]) && isNear(cell[2]))
-      {
-        cellValues_[cell[0] + 4 * cell[1] + 16 * cell[2]] = field_.leafValues()[children.firstLeaf + o];
-      }
-    }
-    plain_ |= static_cast<std::uint32_t>(plain) << e;
-  }
-}
-
-void BlockContour::markMerged() noexcept
-{
-  std::array<unsigned, 3> even{}; // vertices' coordinates, a bit each
-  for (int a = 0; a < 3; ++a)
-  {
-    for (int i = 0; i < 5; ++i)
-    {
-      even[a] |= static_cast<unsigned>(isEvenAt(octree_.grid(), a, base_[a] / 2 + i - 1, depth_ - 1)) << i;
-    }
-  }
-  for (int z = 0; z < 5; ++z)
-  {
-    for (int y = 0; y < 5; ++y)
-    {
-      // Rows of the blocks on either side of the vertices.
-      const auto row = [&](int i, int j) { return plain_ >> (3 * i + 9 * j) & 7; };
-      const int y0 = y / 2;
-      const int y1 = (y + 1) / 2;
-      const unsigned blocks = row(y0, z / 2) & row(y1, z / 2) & row(y0, (z + 1) / 2) & row(y1, (z + 1) / 2);
-      const unsigned both = blocks & blocks >> 1;
-      const unsigned xs =
-        (blocks & 1) | (both & 1) << 1 | (blocks & 2) << 1 | (both & 2) << 2 | (blocks & 4) << 2;
-      const bool isEven = (even[1] >> y & 1) && (even[2] >> z & 1);
-      merged_[y + 5 * z] = isEven ? static_cast<std::uint8_t>(xs & even[0]) : 0;
-    }
-  }
-}
-
-bool BlockContour::isMerged(const Place& corner) const noexcept
-{
-  return merged_[corner[1] + 1 + 5 * (corner[2] + 1)] >> (corner[0] + 1) & 1;
 }
 
 void BlockContour::extractLeaf(TreePath& path, int octant, ContourPart& part)
@@ -285,7 +208,7 @@ void BlockContour::extractLeaf(TreePath& path, int octant, ContourPart& part)
     const std::uint8_t* row = inside_.data() + low[1] + 5 * low[2];
     const auto pair = [&](int i) { return static_cast<unsigned>(row[i] >> low[0] & 3); };
     const unsigned inside = pair(0) | pair(1) << 2 | pair(5) << 4 | pair(6) << 6;
-    if (inside != 0 && inside != 0xff && !isMerged(corner))
+    if (inside != 0 && inside != 0xff && !dualCells_.has(corner))
     {
       extractOctant(leaf, low, inside, part);
     }
@@ -329,7 +252,7 @@ void BlockContour::extractOctant(const Leaf& leaf, const Place& low, unsigned in
     {
       corner[a] = (low[a] + (a != axis ? 0 : f & 1 ? 1 : -1) + 1) >> 1;
     }
-    if (isMerged(corner))
+    if (dualCells_.has(corner))
     {
       coarser |= bit;
       beyond[f] = keyOf({ 2 * corner[0] - 1, 2 * corner[1] - 1, 2 * corner[2] - 1 }, 2);
@@ -354,16 +277,14 @@ void BlockContour::extractOctant(const Leaf& leaf, const Place& low, unsigned in
 
 void BlockContour::extractDual(const Place& corner, ContourPart& part)
 {
-  std::array<float, 8> centres;
+  const std::array<float, 8> centres = dualCells_.values(corner);
   for (int c = 0; c < 8; ++c)
   {
-    centres[c] =
-      cellValues_[corner[0] + (c & 1) + 4 * (corner[1] + (c >> 1 & 1)) + 16 * (corner[2] + (c >> 2))];
     values_[c] = centres[c] - isovalue_;
   }
   Piece piece{ { 2 * corner[0] - 1, 2 * corner[1] - 1, 2 * corner[2] - 1 }, 2, nullptr,
     insideCorners(values_) };
-  if (piece.inside == 0 || piece.inside == 0xff || !ownsDual(corner, centres))
+  if (piece.inside == 0 || piece.inside == 0xff || !ownsDualCell(corner, centres, isovalue_))
   {
     return;
   }
@@ -372,52 +293,13 @@ void BlockContour::extractDual(const Place& corner, ContourPart& part)
   {
     Place beside = corner;
     beside[f >> 1] += f & 1 ? 1 : -1;
-    finer |= static_cast<unsigned>(!isMerged(beside)) << f;
+    finer |= static_cast<unsigned>(!dualCells_.has(beside)) << f;
   }
   if (gradients_)
   {
     addGradients(piece, allFaces, part);
   }
   extractPiece(piece, finer, part);
-}
-
-/// Up to eight blocks have octants of a dual cell: the one that has the first with a crossing is sure to come by.
-/// Its vertices are means along one axis after the other, as in BlockEvaluator.
-bool BlockContour::ownsDual(const Place& corner, const std::array<float, 8>& centres) const noexcept
-{
-  std::array<double, 27> v;
-  for (int i = 0; i < 8; ++i)
-  {
-    v[2 * (i & 1) + 6 * (i >> 1 & 1) + 18 * (i >> 2)] = centres[i];
-  }
-  for (const int i : { 0, 6, 18, 24 })
-  {
-    v[i + 1] = 0.5 * (v[i] + v[i + 2]);
-  }
-  for (const int i : { 0, 1, 2, 18, 19, 20 })
-  {
-    v[i + 3] = 0.5 * (v[i] + v[i + 6]);
-  }
-  for (int i = 0; i < 9; ++i)
-  {
-    v[i + 9] = 0.5 * (v[i] + v[i + 18]);
-  }
-  unsigned inside = 0;
-  for (int i = 0; i < 27; ++i)
-  {
-    inside |= static_cast<unsigned>(static_cast<float>(v[i]) >= isovalue_) << i;
-  }
-  for (int o = 0; o < 8; ++o)
-  {
-    constexpr unsigned corners = 1 | 1 << 1 | 1 << 3 | 1 << 4 | 1 << 9 | 1 << 10 | 1 << 12 | 1 << 13;
-    const unsigned mine = inside >> ((o & 1) + 3 * (o >> 1 & 1) + 9 * (o >> 2)) & corners;
-    if (mine != 0 && mine != corners)
-    {
-      const auto isOwn = [&](int a) { return ((corner[a] - 1 + (o >> a & 1)) & ~1) == 0; };
-      return isOwn(0) && isOwn(1) && isOwn(2);
-    }
-  }
-  return false;
 }
 
 void BlockContour::extractPiece(const Piece& piece, unsigned finer, ContourPart& part)

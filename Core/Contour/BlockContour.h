@@ -1,11 +1,8 @@
 // The part of a contour in the leaves of one block: what Contour.cpp puts together.
-//
-// Where eight leaves of one size meet, GTI is trilinear between their centres: the eight octants around the vertex
-// make one dual cell (the paper's section 6.2.1) with an eighth of the work and of the triangles. What neighbours
-// it in the same leaves are octants of half its size or other dual cells.
 #pragma once
 
 #include "Contour/Contour.h"
+#include "Contour/DualCells.h"
 #include "Contour/Octant.h"
 #include "Contour/Transitions.h"
 #include "Interpolation/BlockValues.h"
@@ -21,7 +18,7 @@ struct SharedCrossing
   int size; // of the edge on which it was found: log2 of its length over the finest octants'
   std::int64_t point;
 
-  /// Crossings of one edge follow each other, those of the largest octants first.
+  /// Crossings of one edge follow each other, those of the largest pieces first.
   bool operator<(const SharedCrossing& other) const noexcept
   {
     for (int a = 2; a >= 0; --a)
@@ -86,15 +83,11 @@ private:
   void markInside() noexcept;
   bool crossesLeaf(int octant) const noexcept;
   void start(const TreePath& path, const Octree::Children& children, ContourPart& part);
-  void gatherCells(const TreePath& path);
-  void markMerged() noexcept;
-  bool isMerged(const Place& corner) const noexcept;
 
   void extractLeaf(TreePath& path, int octant, ContourPart& part);
   void extractOctant(const Leaf& leaf, const Place& low, unsigned inside, ContourPart& part);
   void extractDual(const Place& corner, ContourPart& part);
-  bool ownsDual(const Place& corner, const std::array<float, 8>& centres) const noexcept;
-  /// Masks of faces: towards smaller pieces.
+  /// finer: mask of faces towards smaller pieces.
   void extractPiece(const Piece& piece, unsigned finer, ContourPart& part);
   void handOver(
     const Piece& piece, int face, const PieceKey& to, const FaceSegments& segments, ContourPart& part);
@@ -129,13 +122,7 @@ private:
   int depth_;  // of the octants' lattice
   std::array<Coord, 3> base_;
   BlockPlanes plane_;
-  // Of the blocks around and this one, a bit each: whether eight drawn leaves are their children.
-  std::uint32_t plain_;
-  // Of the children of these blocks, from -1 to 2 times their size from the block's corner.
-  std::array<float, 64> cellValues_;
-  // Vertices between these leaves, from -1 to 3 times their size from the block's corner, around which octants make
-  // a dual cell: a bit each in rows along x.
-  std::array<std::uint8_t, 25> merged_;
+  DualCells dualCells_;
   // By axis and lower end; -1: none yet.
   std::array<std::int32_t, 375> pointOfEdge_;
   std::array<std::int32_t, 192> pointOfDualEdge_;

@@ -9,7 +9,10 @@
 //   goes by the name of the largest octant edge around and lies where the largest octant puts it. All octants that
 //   meet at an edge are around each of its leaves, so every one finds the same name.
 //
-// The coarser octants are done last. Values that hang on a coarser face are rounded on their own, so a coarse
+// Octants that join to a dual cell (DualCells.h) follow the same rules, with the dual cell as the coarser octant:
+// the line between the centres of two leaves of one size is its edge.
+//
+// The coarser pieces are done last. Values that hang on a coarser face are rounded on their own, so a coarse
 // edge may seem to cross its isovalue more than once: these crossings become one point, and the lines between
 // them still form loops.
 #include "Contour/Contour.h"

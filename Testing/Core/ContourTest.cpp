@@ -423,6 +423,58 @@ TEST(Contour, OfADistanceIsASphere)
   }
 }
 
+TEST(Contour, JoinsOctantsBetweenLeavesOfOneSize)
+{
+  // Then all points lie on lines between centres of cells.
+  const ContourMesh mesh = contour(makeBall(4, 0, { 0.51, 0.48, 0.503 }), -0.3);
+  EXPECT_GT(mesh.points.size(), 300u);
+  for (const Point& p : mesh.points)
+  {
+    int onCentres = 0;
+    for (const double x : p)
+    {
+      const double place = 16. * x - 0.5;
+      onCentres += place == std::floor(place);
+    }
+    EXPECT_GE(onCentres, 2);
+  }
+}
+
+TEST(Contour, TakesUnevenRoots)
+{
+  const RootGrid grid(std::array<std::vector<double>, 3>{
+    { { -1., 0., 3., 3.5, 4.5, 5.5 }, { 10., 10.25, 12.25, 14.25 }, { 0., 1., 2., 4., 8. } } });
+  std::vector<LeafCell> cells;
+  for (Coord i = 0; i < 10 * 6 * 8; ++i)
+  {
+    const std::array<Coord, 3> c{ i % 10, i / 10 % 6, i / 60 };
+    Point p;
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = 0.5 * (grid.worldPlane(a, c[a], 1) + grid.worldPlane(a, c[a] + 1, 1));
+    }
+    cells.push_back({ { c, 1 }, static_cast<float>(p[0] * p[0] + p[1] + 0.5 * p[2]) });
+  }
+  auto built = buildOctree(grid, cells);
+  const auto field = [&] {
+    Field made(built.octree, built.values);
+    made.computeNodeRanges();
+    return std::make_shared<const Field>(std::move(made));
+  }();
+  const ContourMesh mesh = contour(*field, 16., { .gradients = true });
+  EXPECT_GT(mesh.points.size(), 100u);
+  expectSurface(mesh, *field, "uneven");
+  const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+  const std::vector<float> values = interpolate(*field, mesh);
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+  {
+    FieldSample sample;
+    ASSERT_TRUE(sampler->sample(mesh.points[i], sample));
+    EXPECT_NEAR(sample.value, 16., 2e-5); // of values up to 50
+    EXPECT_NEAR(values[i], 16., 2e-5);
+  }
+}
+
 TEST(Contour, OfATrilinearFunctionIsExact)
 {
   int checked = 0;
