@@ -32,36 +32,6 @@ bool hasAllCells(const Octree& octree) noexcept
   return octree.leafCount() == cells + 7 * (octree.innerCount() - above);
 }
 
-/// The point from which the diagonals are shortest; none may lie on a face, where the neighbour could have the
-/// same. -1: from every point one does.
-int fanApex(
-  const std::array<int, 12>& loop, const std::array<std::array<double, 3>, 12>& local, int count) noexcept
-{
-  int best = -1;
-  double shortest = 0.;
-  for (int apex = 0; apex < count; ++apex)
-  {
-    double sum = 0.;
-    bool allowed = true;
-    for (int i = 2; i + 1 < count; ++i)
-    {
-      const int other = (apex + i) % count;
-      allowed = allowed && (octantTables.edge[loop[apex]].faces & octantTables.edge[loop[other]].faces) == 0;
-      for (int a = 0; a < 3; ++a)
-      {
-        const double d = local[apex][a] - local[other][a];
-        sum += d * d;
-      }
-    }
-    if (allowed && (best < 0 || sum < shortest))
-    {
-      best = apex;
-      shortest = sum;
-    }
-  }
-  return best;
-}
-
 } // namespace
 
 BlockPlanes blockPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept
@@ -551,11 +521,13 @@ void BlockContour::fillLoop(const Piece& piece, const std::array<int, 12>& loop,
     return;
   }
   std::array<std::array<double, 3>, 12> local{};
+  std::array<std::uint8_t, 12> faces{};
   for (int i = 0; i < count; ++i)
   {
     local[i] = localPoint(loop[i]);
+    faces[i] = octantTables.edge[loop[i]].faces;
   }
-  const int apex = fanApex(loop, local, count);
+  const int apex = fanApex(local.data(), faces.data(), count);
   if (apex >= 0)
   {
     for (int i = 1; i + 1 < count; ++i)

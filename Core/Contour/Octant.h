@@ -165,6 +165,37 @@ inline double crossing(const PieceValues& values, int edge) noexcept
   return t < margin ? margin : t > 1. - margin ? 1. - margin : t;
 }
 
+/// The point of a short loop around the piece from which diagonals divide it into triangles, the one with the
+/// shortest. faces: masks of those that a point lies on; no diagonal may lie on a face, where the neighbour could
+/// have the same. -1: there is none, the loop needs a centre.
+inline int fanApex(const std::array<double, 3>* loop, const std::uint8_t* faces, int count) noexcept
+{
+  constexpr int shortLoop = 6; // longer ones are round rather than flat
+  int best = -1;
+  double shortest = 0.;
+  for (int apex = 0; count <= shortLoop && apex < count; ++apex)
+  {
+    double sum = 0.;
+    bool allowed = true;
+    for (int i = 2; i + 1 < count; ++i)
+    {
+      const int other = (apex + i) % count;
+      allowed = allowed && (faces[apex] & faces[other]) == 0;
+      for (int a = 0; a < 3; ++a)
+      {
+        const double d = loop[apex][a] - loop[other][a];
+        sum += d * d;
+      }
+    }
+    if (allowed && (best < 0 || sum < shortest))
+    {
+      best = apex;
+      shortest = sum;
+    }
+  }
+  return best;
+}
+
 /// A point of the trilinear surface near the middle of a loop on the octant's boundary, inside the loop's box: by
 /// Newton's method along the gradient, with shorter steps towards the walls.
 inline std::array<double, 3> loopCentre(

@@ -210,40 +210,42 @@ private:
 
   void addLoop(const PieceKey& key, std::span<const std::int64_t> loop)
   {
-    if (loop.size() == 3)
+    const std::size_t count = loop.size();
+    if (count < 3)
     {
-      closed_.triangles.push_back({ loop[0], loop[1], loop[2] });
+      return;
     }
-    else if (loop.size() > 3)
-    {
-      const auto centre = static_cast<std::int64_t>(closed_.centres.size());
-      for (std::size_t i = 0; i < loop.size(); ++i)
-      {
-        closed_.triangles.push_back({ loop[i], loop[(i + 1) % loop.size()], ~centre });
-      }
-      addCentre(key, loop);
-    }
-  }
-
-  void addCentre(const PieceKey& key, std::span<const std::int64_t> loop)
-  {
     std::array<double, 3> low;
     std::array<double, 3> width;
+    local_.resize(count);
+    faces_.assign(count, 0);
     for (int a = 0; a < 3; ++a)
     {
       low[a] = grid_.nodePlane(a, key.index[a], key.depth);
-      width[a] = grid_.nodePlane(a, key.index[a] + key.width, key.depth) - low[a];
-    }
-    local_.resize(loop.size());
-    for (std::size_t i = 0; i < loop.size(); ++i)
-    {
-      for (int a = 0; a < 3; ++a)
+      const double high = grid_.nodePlane(a, key.index[a] + key.width, key.depth);
+      width[a] = high - low[a];
+      for (std::size_t i = 0; i < count; ++i)
       {
-        local_[i][a] = (mesh_.points[loop[i]][a] - low[a]) / width[a];
+        const double p = mesh_.points[loop[i]][a];
+        local_[i][a] = (p - low[a]) / width[a];
+        faces_[i] |= static_cast<std::uint8_t>((p == low[a]) << 2 * a | (p == high) << (2 * a + 1));
       }
     }
-    const std::array<double, 3> local =
-      loopCentre(pieceValues_, local_.data(), static_cast<int>(loop.size()));
+    const int apex = fanApex(local_.data(), faces_.data(), static_cast<int>(count));
+    if (apex >= 0)
+    {
+      for (std::size_t i = 1; i + 1 < count; ++i)
+      {
+        closed_.triangles.push_back({ loop[apex], loop[(apex + i) % count], loop[(apex + i + 1) % count] });
+      }
+      return;
+    }
+    const auto number = static_cast<std::int64_t>(closed_.centres.size());
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      closed_.triangles.push_back({ loop[i], loop[(i + 1) % count], ~number });
+    }
+    const std::array<double, 3> local = loopCentre(pieceValues_, local_.data(), static_cast<int>(count));
     const std::array<double, 3> slope = trilinearGradient(pieceValues_, local);
     std::array<double, 3>& centre = closed_.centres.emplace_back();
     std::array<float, 3>& gradient = closed_.gradients.emplace_back();
@@ -260,7 +262,9 @@ private:
   Closed& closed_;
   PieceValues pieceValues_;
   std::vector<Segment> segments_;
+  // Of the current loop.
   std::vector<std::array<double, 3>> local_;
+  std::vector<std::uint8_t> faces_;
 };
 
 /// Puts the centres behind the mesh's points.
