@@ -27,6 +27,8 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <vector>
@@ -257,7 +259,10 @@ int vtkTreeAMRContourFilter::RequestData(
   vtkPolyData* output = vtkPolyData::GetData(outputVector);
   try
   {
-    if (input->GetNumberOfNonEmptyTrees() > 0)
+    vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
+    input->InitializeTreeIterator(trees);
+    vtkIdType unused;
+    if (trees.GetNextTree(unused))
     {
       this->Contour(input, output);
     }
