@@ -2,18 +2,19 @@
  * @class   vtkTreeAMRContourFilter
  * @brief   isosurfaces of a vtkHyperTreeGrid as polygons, watertight across refinement levels
  *
- * The triangles of the surfaces where the reconstructed field (GTI, as vtkTreeAMRIsosurfaceMapper draws it) has
- * the given values. Within a surface every edge has two triangles, whatever the levels that meet there, but for
- * edges on the boundary of the domain, towards missing cells and towards ghosts. Normals and the order of a
- * triangle's points point to lower values, as those of vtkContourFilter do. Points are double precision.
+ * The triangles of the surfaces where the reconstructed field (GTI, as vtkTreeAMRIsosurfaceMapper draws it)
+ * has the given values. Within a surface every edge has two triangles, whatever the levels that meet there,
+ * but for edges on the boundary of the domain, towards missing cells and towards ghosts. Normals and the
+ * order of a triangle's points point to lower values, as those of vtkContourFilter do. Points are double
+ * precision.
  *
- * SetInputArrayToProcess() chooses the cell array, the active scalars by default; of several components the first
- * counts. Every other numeric cell array (but vtkGhostType) is interpolated at the points, component by component:
- * arrays of double give double, all others float. A point is NaN where an array has no finite value in the cells
- * around. See HyperTreeGridConverter.h for the cells that are drawn.
+ * SetInputArrayToProcess() chooses the cell array, the active scalars by default; of several components the
+ * first counts. Every other numeric cell array (but vtkGhostType) is interpolated at the points, component by
+ * component: arrays of double give double, all others float. A point is NaN where an array has no finite
+ * value in the cells around. See HyperTreeGridConverter.h for the cells that are drawn.
  *
- * The output does not depend on the number of threads. It is empty for a grid without trees; for a value that is
- * not finite and for a grid or array that cannot be converted there is an error, too.
+ * The output does not depend on the number of threads. It is empty for a grid without trees; for a value that
+ * is not finite and for a grid or array that cannot be converted there is an error, too.
  */
 #ifndef vtkTreeAMRContourFilter_h
 #define vtkTreeAMRContourFilter_h
@@ -62,8 +63,8 @@ public:
 
   ///@{
   /**
-   * Whether to add "Gradients" in world coordinates: the mean of the trilinear pieces that meet at a point. Off by
-   * default.
+   * Whether to add "Gradients" in world coordinates: the mean of the trilinear pieces that meet at a point.
+   * Off by default.
    */
   vtkSetMacro(ComputeGradients, bool);
   vtkGetMacro(ComputeGradients, bool);

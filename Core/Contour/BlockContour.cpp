@@ -422,8 +422,8 @@ void BlockContour::nameCrossing(const Piece& piece, int edge, std::int64_t point
     shared.middle[c] = (base_[c] + low[c]) << (1 + finestDepth_ - depth_);
     part.shared.push_back(shared);
   };
-  // The line between the centres of two leaves of one size is the edge of dual cells and named by its middle, a
-  // vertex.
+  // The line between the centres of two leaves of one size is the edge of dual cells and named by its middle,
+  // a vertex.
   const int unit = 1 + finestDepth_ - depth_; // log2 of an octant in half widths of the finest ones
   if (piece.width == 2)
   {

@@ -44,8 +44,8 @@ struct ContourPart
   std::vector<ContourMesh::Block> blocks;
 };
 
-/// World coordinates per axis of a block's octant planes -1 to 5, which are its own and one beyond on either side;
-/// those beyond the domain lie at its end.
+/// World coordinates per axis of a block's octant planes -1 to 5, which are its own and one beyond on either
+/// side; those beyond the domain lie at its end.
 using BlockPlanes = std::array<std::array<double, 7>, 3>;
 
 BlockPlanes blockPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept;

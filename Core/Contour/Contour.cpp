@@ -5,12 +5,12 @@
 // - A vertex has one value, bit for bit, whichever block asks for it (BlockValues.h), and with it one side.
 // - A face between octants of two sizes has the lines of the finer ones, who hand them to the coarser octant
 //   (Transitions.h). A face between octants of one size has the same four values on both sides.
-// - An edge may be part of a coarser octant's edge. The field is linear along that one: it has one crossing, which
-//   goes by the name of the largest octant edge around and lies where the largest octant puts it. All octants that
-//   meet at an edge are around each of its leaves, so every one finds the same name.
+// - An edge may be part of a coarser octant's edge. The field is linear along that one: it has one crossing,
+//   which goes by the name of the largest octant edge around and lies where the largest octant puts it. All
+//   octants that meet at an edge are around each of its leaves, so every one finds the same name.
 //
-// Octants that join to a dual cell (DualCells.h) follow the same rules, with the dual cell as the coarser octant:
-// the line between the centres of two leaves of one size is its edge.
+// Octants that join to a dual cell (DualCells.h) follow the same rules, with the dual cell as the coarser
+// octant: the line between the centres of two leaves of one size is its edge.
 //
 // The coarser pieces are done last. Values that hang on a coarser face are rounded on their own, so a coarse
 // edge may seem to cross its isovalue more than once: these crossings become one point, and the lines between
@@ -191,7 +191,6 @@ public:
   }
 
   std::int64_t first(std::size_t part) const noexcept { return first_[part]; }
-  std::int64_t found() const noexcept { return first_.back(); }
   std::int64_t count() const noexcept { return count_; }
   bool isOwn(std::int64_t point) const noexcept { return numbers_[point] >= 0; }
   /// Before assign().
@@ -264,8 +263,8 @@ struct LocatedBlock
   BlockValues vertices;
 };
 
-/// Trilinear between a block's vertices. Just beside the octant that a point belongs to, where rounding may put
-/// it, the others' vertices weigh next to nothing.
+/// Trilinear between a block's vertices. Just beside the octant that a point belongs to, where rounding may
+/// put it, the others' vertices weigh next to nothing.
 float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWorld) noexcept
 {
   int base = 0;
@@ -290,8 +289,8 @@ float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWor
   return static_cast<float>(trilinear(corners, local));
 }
 
-/// Interpolates at points in the blocks of a mesh. The points of dual cells may lie in the block beyond, which has
-/// leaves of the same size there.
+/// Interpolates at points in the blocks of a mesh. The points of dual cells may lie in the block beyond,
+/// which has leaves of the same size there.
 class BlockInterpolation
 {
 public:

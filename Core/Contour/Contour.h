@@ -15,8 +15,8 @@ namespace treeamr
 
 /// Triangles that share their points. Normals by the right-hand rule point to lower values.
 ///
-/// Every edge has two triangles, but for edges on the domain's boundary, on faces towards missing cells and on
-/// faces towards ghosts, which have one.
+/// Every edge has two triangles, but for edges on the domain's boundary, on faces towards missing cells and
+/// on faces towards ghosts, which have one.
 struct ContourMesh
 {
   /// The inner node in or beside whose children the points from firstPoint up to the next block's lie.
@@ -40,9 +40,10 @@ struct ContourOptions
   std::function<bool(double)> progress = {};
 };
 
-/// The surface where the field passes the isovalue; at the isovalue is inside. A point on an edge of an octant
-/// lies where the trilinear field has the isovalue, but at least 2^-24 of the edge away from its ends: nothing
-/// collapses where vertices have the isovalue. Its gradient is the mean of the trilinear pieces that meet there.
+/// The surface where the field passes the isovalue; at the isovalue is inside. A point on an edge of an
+/// octant lies where the trilinear field has the isovalue, but at least 2^-24 of the edge away from its ends:
+/// nothing collapses where vertices have the isovalue. Its gradient is the mean of the trilinear pieces that
+/// meet there.
 ///
 /// The same bits for any number of threads. Empty when stopped. Throws Error when the isovalue is not finite
 /// and when the field has no node ranges.

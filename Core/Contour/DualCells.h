@@ -1,8 +1,8 @@
 // Where a block's octants join to dual cells.
 //
-// Around a vertex where eight leaves of one size meet, GTI is trilinear between their centres: its eight octants are
-// one dual cell (the paper's section 6.2.1) with an eighth of the work and of the triangles. What neighbours it in
-// the same leaves are octants of half its size or other dual cells.
+// Around a vertex where eight leaves of one size meet, GTI is trilinear between their centres: its eight
+// octants are one dual cell (the paper's section 6.2.1) with an eighth of the work and of the triangles. What
+// neighbours it in the same leaves are octants of half its size or other dual cells.
 #pragma once
 
 #include "Octree/Field.h"
@@ -13,9 +13,9 @@
 namespace treeamr
 {
 
-/// Vertices count in widths of the block's children from its lower corner. Dual cells are made of the children of
-/// blocks that have eight drawn leaves: single ones beside cells of other sizes would save nothing. Nor are they
-/// where roots of unequal sizes meet, as the field has a kink there.
+/// Vertices count in widths of the block's children from its lower corner. Dual cells are made of the
+/// children of blocks that have eight drawn leaves: single ones beside cells of other sizes would save
+/// nothing. Nor are they where roots of unequal sizes meet, as the field has a kink there.
 class DualCells
 {
 public:
@@ -38,9 +38,9 @@ private:
   std::array<std::uint8_t, 25> has_; // a bit per vertex, in rows along x
 };
 
-/// Up to eight blocks have octants of a dual cell, and some see no crossing in theirs: the one that has the first
-/// octant with a crossing is sure to see it. The octants' vertices are means along one axis after the other, bit for
-/// bit as in BlockEvaluator.
+/// Up to eight blocks have octants of a dual cell, and some see no crossing in theirs: the one that has the
+/// first octant with a crossing is sure to see it. The octants' vertices are means along one axis after the
+/// other, bit for bit as in BlockEvaluator.
 bool ownsDualCell(
   const std::array<int, 3>& vertex, const std::array<float, 8>& values, double isovalue) noexcept;
 

@@ -9,8 +9,8 @@
 namespace treeamr
 {
 
-/// place(item): on a lattice of 2^bits per axis; where it has more than 2^21, nearby places may come in any order.
-/// Items that are equal in that order are sorted by <, which must tell places apart.
+/// place(item): on a lattice of 2^bits per axis; where it has more than 2^21, nearby places may come in any
+/// order. Items that are equal in that order are sorted by <, which must tell places apart.
 template <class Item, class Place>
 void sortByPlace(std::vector<Item>& items, int bits, const Place& place)
 {

@@ -1,5 +1,5 @@
-// One octant (or dual cell): a box with eight corner values, trilinear between them, and its contour lines on its
-// faces.
+// One octant (or dual cell): a box with eight corner values, trilinear between them, and its contour lines on
+// its faces.
 #pragma once
 
 #include <array>
@@ -166,8 +166,8 @@ inline double crossing(const PieceValues& values, int edge) noexcept
 }
 
 /// The point of a short loop around the piece from which diagonals divide it into triangles, the one with the
-/// shortest. faces: masks of those that a point lies on; no diagonal may lie on a face, where the neighbour could
-/// have the same. -1: there is none, the loop needs a centre.
+/// shortest. faces: masks of those that a point lies on; no diagonal may lie on a face, where the neighbour
+/// could have the same. -1: there is none, the loop needs a centre.
 inline int fanApex(const std::array<double, 3>* loop, const std::uint8_t* faces, int count) noexcept
 {
   constexpr int shortLoop = 6; // longer ones are round rather than flat
@@ -196,8 +196,8 @@ inline int fanApex(const std::array<double, 3>* loop, const std::uint8_t* faces,
   return best;
 }
 
-/// A point of the trilinear surface near the middle of a loop on the octant's boundary, inside the loop's box: by
-/// Newton's method along the gradient, with shorter steps towards the walls.
+/// A point of the trilinear surface near the middle of a loop on the octant's boundary, inside the loop's
+/// box: by Newton's method along the gradient, with shorter steps towards the walls.
 inline std::array<double, 3> loopCentre(
   const PieceValues& values, const std::array<double, 3>* loop, int count) noexcept
 {

@@ -84,8 +84,8 @@ public:
   }
 
 private:
-  /// On parts of a face where the finer neighbour has no cells its lines are missing: between their loose ends
-  /// there are straight lines.
+  /// On parts of a face where the finer neighbour has no cells its lines are missing: between their loose
+  /// ends there are straight lines.
   void completeFace(Lines lines)
   {
     std::vector<std::pair<std::int64_t, int>> ends; // point, missing lines from it less missing lines to it
@@ -122,8 +122,8 @@ private:
     {
       return;
     }
-    // A bilinear function has no closed contour lines: none is led back to its own beginning as long as there is
-    // a choice. So those that end on the face, not on its edges, choose first.
+    // A bilinear function has no closed contour lines: none is led back to its own beginning as long as there
+    // is a choice. So those that end on the face, not on its edges, choose first.
     std::vector<Segment> face;
     for (const TransitionLine& line : lines)
     {

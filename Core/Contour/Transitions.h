@@ -9,8 +9,8 @@
 namespace treeamr
 {
 
-/// An octant or a dual cell by its lower corner on the octant lattice of its leaf, whose depth is one more than the
-/// leaf's.
+/// An octant or a dual cell by its lower corner on the octant lattice of its leaf, whose depth is one more
+/// than the leaf's.
 struct PieceKey
 {
   int depth = 0;
@@ -31,8 +31,8 @@ struct PieceKey
   }
 };
 
-/// A contour line on the boundary of a piece, in the direction of FaceSegments. Or, to go with the piece's lines,
-/// the number of its values.
+/// A contour line on the boundary of a piece, in the direction of FaceSegments. Or, to go with the piece's
+/// lines, the number of its values.
 struct TransitionLine
 {
   static constexpr int ownFace = -1;       // of a face of which all lines are there
@@ -54,7 +54,8 @@ struct TransitionLine
   }
 };
 
-/// Adds the triangles within the pieces that the lines lie on. octantDepth: of the finest octants. Sorts the lines.
+/// Adds the triangles within the pieces that the lines lie on. octantDepth: of the finest octants. Sorts the
+/// lines.
 void closeTransitions(const RootGrid& grid, int octantDepth, std::vector<TransitionLine>& lines,
   const std::vector<PieceValues>& values, ContourMesh& mesh);
 

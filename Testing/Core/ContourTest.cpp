@@ -2,10 +2,8 @@
 // edges with one triangle lie on the boundary of the drawn cells.
 #include "Contour/Contour.h"
 
-#include "Contour/Octant.h"
 #include "Error.h"
 #include "Interpolation/Sampler.h"
-#include "Interpolation/VertexValues.h"
 #include "Octree/OctreeBuilder.h"
 #include "Octree/TreePath.h"
 #include "Support/RandomTrees.h"
@@ -16,9 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <random>
-#include <set>
 
 using namespace treeamr;
 using namespace treeamr::test;
