@@ -7,6 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
 
 using namespace treeamr;
 using namespace treeamr::test;
@@ -78,4 +81,57 @@ TEST(BlockValues, EqualThoseOfEachLeafBitForBit)
   }
   EXPECT_GT(compared, 100000);
   EXPECT_GT(deepJumps, 100);
+}
+
+TEST(BlockValues, GiveAVertexOneValueBitForBit)
+{
+  std::mt19937 random(11);
+  int shared = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    auto cells = makeRandomTree(options);
+    for (LeafCell& c : cells)
+    {
+      c.value = std::ldexp(c.value, static_cast<int>(random() % 121) - 60);
+    }
+    auto built = buildOctree(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), cells);
+    const Field field(built.octree, built.values);
+    BlockEvaluator evaluator(field);
+    std::map<std::array<Coord, 3>, float> known; // by place on the finest octant lattice
+    TreePath root(field.octree());
+    forEachNode(root, [&](const TreePath& at) {
+      if (!at.node().isInner() || at.octree().children(at.node().index()).leaf == 0)
+      {
+        return;
+      }
+      BlockPath path;
+      for (int depth = 1; depth <= at.depth(); ++depth)
+      {
+        const auto& index = at.index(depth);
+        path.descend(static_cast<int>((index[0] & 1) | (index[1] & 1) << 1 | (index[2] & 1) << 2),
+          at.around(depth)[13].index());
+      }
+      BlockValues block;
+      evaluator.compute(path, BlockCells::Leaves, block);
+      const int up = field.octree().grid().paddingDepth() + field.octree().leafLevels() - at.depth();
+      for (int o = 0; o < 8; ++o)
+      {
+        for (int v = 0; v < 27 && at.octree().child(at.node(), o).isLeaf(); ++v)
+        {
+          const std::array<int, 3> place{ 2 * (o & 1) + v % 3, 2 * (o >> 1 & 1) + v / 3 % 3,
+            2 * (o >> 2) + v / 9 };
+          std::array<Coord, 3> key;
+          for (int a = 0; a < 3; ++a)
+          {
+            key[a] = (4 * at.index()[a] + place[a]) << up;
+          }
+          const float value = block.values[place[0] + 5 * place[1] + 25 * place[2]];
+          const auto [entry, isNew] = known.try_emplace(key, value);
+          EXPECT_EQ(entry->second, value) << "seed " << options.seed;
+          shared += !isNew;
+        }
+      }
+    });
+  }
+  EXPECT_GT(shared, 100000);
 }

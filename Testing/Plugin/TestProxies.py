@@ -85,6 +85,33 @@ class TestProxies(scene.TestCase):
         value = servermanager.Fetch(probe).GetPointData().GetArray("xyz").GetValue(0)
         self.assertAlmostEqual(0.216, value, delta=64e-6)
 
+    def test_contour(self):
+        grid = simple.TreeAMRExample(Dataset="Synthetic")
+        contour = simple.TreeAMRContour(Input=grid, ContourBy=["CELLS", "xyz"], Isosurfaces=[8.0, 20.0])
+        result = servermanager.Fetch(contour)
+        scalars = vtk_to_numpy(result.GetPointData().GetScalars())
+        self.assertEqual({8.0, 20.0}, set(scalars))
+        points = vtk_to_numpy(result.GetPoints().GetData())
+        inner = (points > 0.51).all(axis=1) & (points < 3.49).all(axis=1)
+        self.assertGreater(inner.sum(), 100)
+        self.assertLess(abs(points.prod(axis=1) - scalars)[inner].max(), 64e-6)
+        normals = vtk_to_numpy(result.GetPointData().GetNormals())
+        gradients = points.prod(axis=1)[:, None] / points
+        expected = -gradients / (gradients ** 2).sum(axis=1)[:, None] ** 0.5
+        self.assertLess(abs(normals - expected)[inner].max(), 1e-4)
+        contour.ComputeGradients, contour.ComputeNormals, contour.ComputeScalars = 1, 0, 0
+        result = servermanager.Fetch(contour)
+        self.assertEqual(1, result.GetPointData().GetNumberOfArrays())
+        self.assertEqual("Gradients", result.GetPointData().GetArrayName(0))
+
+    def test_contour_defaults(self):
+        grid = simple.TreeAMRExample(Dataset="Synthetic")
+        grid.UpdatePipeline()
+        contour = simple.TreeAMRContour(Input=grid)
+        self.assertEqual(["CELLS", "xyz"], list(contour.ContourBy))
+        self.assertEqual(1, len(contour.Isosurfaces))
+        self.assertEqual((1, 0, 1), (contour.ComputeNormals, contour.ComputeGradients, contour.ComputeScalars))
+
 
 if __name__ == "__main__":
     scene.main()

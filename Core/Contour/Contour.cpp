@@ -1,0 +1,504 @@
+// Marching octants. The field is trilinear in each of the eight octants of a leaf and continuous, so loops of
+// contour lines on the octants' faces, filled octant by octant, make a surface without cracks wherever both
+// sides of a face have the same lines. Three rules see to that:
+//
+// - A vertex has one value, bit for bit, whichever block asks for it (BlockValues.h), and with it one side.
+// - A face between octants of two sizes has the lines of the finer ones, who hand them to the coarser octant
+//   (Transitions.h). A face between octants of one size has the same four values on both sides.
+// - An edge may be part of a coarser octant's edge. The field is linear along that one: it has one crossing,
+//   which goes by the name of the largest octant edge around and lies where the largest octant puts it. All
+//   octants that meet at an edge are around each of its leaves, so every one finds the same name.
+//
+// Octants that join to a dual cell (DualCells.h) follow the same rules, with the dual cell as the coarser
+// octant: the line between the centres of two leaves of one size is its edge.
+//
+// The coarser pieces are done last. Values that hang on a coarser face are rounded on their own, so a coarse
+// edge may seem to cross its isovalue more than once: these crossings become one point, and the lines between
+// them still form loops.
+#include "Contour/Contour.h"
+
+#include "Contour/BlockContour.h"
+#include "Contour/MortonSort.h"
+#include "Error.h"
+#include "Interpolation/BlockValues.h"
+#include "Octree/TreePath.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <string>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Of the finest octants.
+int octantDepth(const Octree& octree) noexcept
+{
+  return octree.grid().paddingDepth() + octree.leafLevels() + 1;
+}
+
+/// That leads down to the node `up` levels above a place.
+int octantOf(const std::array<Coord, 3>& index, int up) noexcept
+{
+  return static_cast<int>((index[0] >> up & 1) | (index[1] >> up & 1) << 1 | (index[2] >> up & 1) << 2);
+}
+
+/// Part of the tree: below a node, or its leaves alone.
+struct Task
+{
+  std::array<Coord, 3> index;
+  int depth;
+  bool subtree;
+};
+
+/// Where a walk is, for both kinds of neighbourhoods.
+struct Place
+{
+  TreePath path;
+  BlockPath blockPath;
+
+  explicit Place(const Octree& octree)
+    : path(octree)
+  {
+  }
+  void descend(int octant) noexcept
+  {
+    path.descend(octant);
+    blockPath.descend(octant, path.node().index());
+  }
+  void ascend() noexcept
+  {
+    path.ascend();
+    blockPath.ascend();
+  }
+};
+
+class Extraction
+{
+public:
+  Extraction(const Field& field, double isovalue, bool gradients)
+    : field_(field)
+    , octree_(field.octree())
+    , isovalue_(isovalue)
+    , subtreeDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() - 4)
+    , blocks_([=, &field] { return BlockContour(field, isovalue, gradients); })
+  {
+  }
+
+  std::vector<Task> tasks() const
+  {
+    std::vector<Task> list;
+    if (octree_.root().isInner())
+    {
+      Place place(octree_);
+      collect(place, field_.range(), list);
+    }
+    return list;
+  }
+
+  void run(const Task& task, ContourPart& part)
+  {
+    Place place(octree_);
+    Range range = field_.range();
+    for (int depth = 1; depth <= task.depth; ++depth)
+    {
+      range = field_.nodeRange(place.path.node(), range);
+      place.descend(octantOf(task.index, task.depth - depth));
+    }
+    BlockContour& block = blocks_.local();
+    if (task.subtree)
+    {
+      visit(place, range, block, part);
+    }
+    else
+    {
+      block.extract(place.path, place.blockPath, part);
+    }
+  }
+
+private:
+  bool crosses(Range range) const noexcept { return range.min < isovalue_ && isovalue_ <= range.max; }
+
+  void collect(Place& place, Range parent, std::vector<Task>& list) const
+  {
+    const Range range = field_.nodeRange(place.path.node(), parent);
+    if (!crosses(range))
+    {
+      return;
+    }
+    const bool subtree = place.path.depth() >= subtreeDepth_;
+    const Octree::Children children = octree_.children(place.path.node().index());
+    if (subtree || children.leaf != 0)
+    {
+      list.push_back({ place.path.index(), place.path.depth(), subtree });
+    }
+    for (unsigned rest = subtree ? 0 : children.inner(); rest != 0; rest &= rest - 1)
+    {
+      place.descend(std::countr_zero(rest));
+      collect(place, range, list);
+      place.ascend();
+    }
+  }
+
+  void visit(Place& place, Range parent, BlockContour& block, ContourPart& part) const
+  {
+    const Range range = field_.nodeRange(place.path.node(), parent);
+    if (!crosses(range))
+    {
+      return;
+    }
+    const Octree::Children children = octree_.children(place.path.node().index());
+    if (children.leaf != 0)
+    {
+      block.extract(place.path, place.blockPath, part);
+    }
+    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+    {
+      place.descend(std::countr_zero(rest));
+      visit(place, range, block, part);
+      place.ascend();
+    }
+  }
+
+  const Field& field_;
+  const Octree& octree_;
+  double isovalue_;
+  int subtreeDepth_;
+  tbb::enumerable_thread_specific<BlockContour> blocks_;
+};
+
+/// The parts' points with one number for all of a crossing.
+class PointNumbers
+{
+public:
+  explicit PointNumbers(const std::vector<ContourPart>& parts)
+  {
+    first_.reserve(parts.size() + 1);
+    first_.push_back(0);
+    for (const ContourPart& part : parts)
+    {
+      first_.push_back(first_.back() + static_cast<std::int64_t>(part.points.size()));
+    }
+    numbers_.assign(first_.back(), 0);
+  }
+
+  std::int64_t first(std::size_t part) const noexcept { return first_[part]; }
+  std::int64_t count() const noexcept { return count_; }
+  bool isOwn(std::int64_t point) const noexcept { return numbers_[point] >= 0; }
+  /// Before assign().
+  void merge(std::int64_t point, std::int64_t into) noexcept { numbers_[point] = ~into; }
+  void assign() noexcept
+  {
+    for (std::int64_t& number : numbers_)
+    {
+      if (number >= 0)
+      {
+        number = count_++;
+      }
+    }
+  }
+  std::int64_t operator()(std::int64_t point) const noexcept
+  {
+    const std::int64_t number = numbers_[point];
+    return number >= 0 ? number : numbers_[~number];
+  }
+
+private:
+  std::vector<std::int64_t> first_;   // by part, and the end
+  std::vector<std::int64_t> numbers_; // the point's own, or ~ the point that stands for it
+  std::int64_t count_ = 0;
+};
+
+template <class Member>
+auto concatenated(std::vector<ContourPart>& parts, Member member)
+{
+  std::vector<std::size_t> first{ 0 };
+  for (const ContourPart& part : parts)
+  {
+    first.push_back(first.back() + (part.*member).size());
+  }
+  std::remove_reference_t<decltype(parts[0].*member)> all(first.back());
+  tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
+    auto& from = parts[i].*member;
+    std::copy(from.begin(), from.end(), all.begin() + static_cast<std::ptrdiff_t>(first[i]));
+    from = {};
+  });
+  return all;
+}
+
+/// Joins what all parts say about one crossing.
+void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointNumbers& numbers,
+  std::vector<std::array<float, 4>>& gradients)
+{
+  sortByPlace(shared, octantDepth + 2, [](const SharedCrossing& s) { return s.middle; });
+  for (std::size_t i = 0, owner = 0; i < shared.size(); ++i)
+  {
+    if (i == owner || shared[i].middle != shared[owner].middle)
+    {
+      owner = i;
+      continue;
+    }
+    numbers.merge(shared[i].point, shared[owner].point);
+    for (int a = 0; !gradients.empty() && a < 4; ++a)
+    {
+      gradients[shared[owner].point][a] += gradients[shared[i].point][a];
+    }
+  }
+  numbers.assign();
+}
+
+/// The values of a block's vertices, or of one beside it.
+struct LocatedBlock
+{
+  bool known = false;
+  BlockPlanes planes;
+  BlockValues vertices;
+};
+
+/// Trilinear between a block's vertices. Just beside the octant that a point belongs to, where rounding may
+/// put it, the others' vertices weigh next to nothing.
+float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWorld) noexcept
+{
+  int base = 0;
+  std::array<double, 3> local;
+  constexpr std::array<int, 3> stride{ 1, 5, 25 };
+  for (int a = 0; a < 3; ++a)
+  {
+    const double* plane = block.planes[a].data() + 1;
+    int low = 0;
+    while (low < 3 && pWorld[a] >= plane[low + 1] && plane[low + 2] > plane[low + 1])
+    {
+      ++low;
+    }
+    base += stride[a] * low;
+    local[a] = std::clamp((pWorld[a] - plane[low]) / (plane[low + 1] - plane[low]), 0., 1.);
+  }
+  PieceValues corners;
+  for (int c = 0; c < 8; ++c)
+  {
+    corners[c] = block.vertices.values[base + (c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)];
+  }
+  return static_cast<float>(trilinear(corners, local));
+}
+
+/// Interpolates at points in the blocks of a mesh. The points of dual cells may lie in the block beyond,
+/// which has leaves of the same size there.
+class BlockInterpolation
+{
+public:
+  explicit BlockInterpolation(const Field& field)
+    : octree_(field.octree())
+    , evaluator_(field)
+  {
+  }
+  void goTo(const ContourMesh::Block& block) noexcept
+  {
+    block_ = block;
+    for (LocatedBlock& located : around_)
+    {
+      located.known = false;
+    }
+  }
+  float value(const std::array<double, 3>& pWorld) noexcept
+  {
+    const LocatedBlock& own = at({});
+    std::array<int, 3> offset;
+    for (int a = 0; a < 3; ++a)
+    {
+      offset[a] = (pWorld[a] > own.planes[a][5]) - (pWorld[a] < own.planes[a][1]);
+    }
+    return interpolateIn(at(offset), pWorld);
+  }
+
+private:
+  const LocatedBlock& at(const std::array<int, 3>& offset) noexcept
+  {
+    LocatedBlock& located = around_[13 + offset[0] + 3 * offset[1] + 9 * offset[2]];
+    if (!located.known)
+    {
+      std::array<Coord, 3> index;
+      for (int a = 0; a < 3; ++a)
+      {
+        index[a] = block_.index[a] + offset[a];
+      }
+      BlockPath path;
+      for (int up = block_.depth - 1; up >= 0; --up)
+      {
+        const int octant = octantOf(index, up);
+        path.descend(octant, octree_.children(path.node[path.depth]).innerIndex(octant));
+      }
+      evaluator_.compute(path, BlockCells::Leaves, located.vertices);
+      located.planes = blockPlanes(octree_.grid(), index, block_.depth);
+      located.known = true;
+    }
+    return located;
+  }
+
+  const Octree& octree_;
+  BlockEvaluator evaluator_;
+  ContourMesh::Block block_;
+  std::array<LocatedBlock, 27> around_; // and the block itself in the middle
+};
+
+bool isDegenerate(const std::array<std::int64_t, 3>& triangle) noexcept
+{
+  return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
+}
+
+/// Numbers the points of all parts, in their order, and empties the parts but for the lines and octants.
+ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
+{
+  const auto forParts = [&](const auto& body) { tbb::parallel_for(std::size_t(0), parts.size(), body); };
+  PointNumbers numbers(parts);
+  forParts([&](std::size_t i) {
+    for (SharedCrossing& s : parts[i].shared)
+    {
+      s.point += numbers.first(i);
+    }
+  });
+  auto sums = concatenated(parts, &ContourPart::gradients);
+  {
+    auto shared = concatenated(parts, &ContourPart::shared);
+    mergeCrossings(octantDepth, shared, numbers, sums);
+  }
+  ContourMesh mesh;
+  mesh.points.resize(numbers.count());
+  mesh.gradients.resize(sums.empty() ? 0 : numbers.count());
+  forParts([&](std::size_t i) {
+    ContourPart& part = parts[i];
+    std::vector<ContourMesh::Block> blocks; // that have points of their own
+    auto block = part.blocks.begin();
+    for (std::size_t p = 0; p < part.points.size(); ++p)
+    {
+      const std::int64_t found = numbers.first(i) + static_cast<std::int64_t>(p);
+      if (!numbers.isOwn(found))
+      {
+        continue;
+      }
+      const std::int64_t number = numbers(found);
+      mesh.points[number] = part.points[p];
+      for (int a = 0; !sums.empty() && a < 3; ++a)
+      {
+        mesh.gradients[number][a] = sums[found][a] / sums[found][3];
+      }
+      bool isFirst = blocks.empty();
+      while (block + 1 != part.blocks.end() && (block + 1)->firstPoint <= static_cast<std::int64_t>(p))
+      {
+        ++block;
+        isFirst = true;
+      }
+      if (isFirst)
+      {
+        blocks.push_back({ block->index, block->depth, number });
+      }
+    }
+    part.blocks = std::move(blocks);
+    part.points = {};
+  });
+  mesh.blocks = concatenated(parts, &ContourPart::blocks);
+
+  std::vector<std::size_t> firstTriangle{ 0 };
+  std::vector<std::int64_t> firstValues{ 0 };
+  for (const ContourPart& part : parts)
+  {
+    firstValues.push_back(firstValues.back() + static_cast<std::int64_t>(part.values.size()));
+    firstTriangle.push_back(firstTriangle.back() + part.triangles.size());
+  }
+  mesh.triangles.resize(firstTriangle.back());
+  std::atomic<bool> degenerate{ false };
+  forParts([&](std::size_t i) {
+    ContourPart& part = parts[i];
+    const std::int64_t first = numbers.first(i);
+    auto* triangle = mesh.triangles.data() + firstTriangle[i];
+    for (const auto& points : part.triangles)
+    {
+      *triangle = { numbers(first + points[0]), numbers(first + points[1]), numbers(first + points[2]) };
+      if (isDegenerate(*triangle++))
+      {
+        degenerate = true;
+      }
+    }
+    part.triangles = {};
+    for (TransitionLine& line : part.lines)
+    {
+      if (line.face == TransitionLine::valuesFace)
+      {
+        line.from += firstValues[i];
+        continue;
+      }
+      for (std::int64_t* point : { &line.from, &line.to })
+      {
+        *point = *point == TransitionLine::none ? *point : numbers(first + *point);
+      }
+    }
+  });
+  if (degenerate)
+  {
+    std::erase_if(mesh.triangles, isDegenerate);
+  }
+  return mesh;
+}
+
+} // namespace
+
+ContourMesh contour(const Field& field, double isovalue, const ContourOptions& options)
+{
+  if (!std::isfinite(isovalue))
+  {
+    throw Error("contour: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
+  }
+  if (!field.hasNodeRanges())
+  {
+    throw Error("contour: the field has no node ranges to find the surface by");
+  }
+  const auto goesOn = [&](double done) { return !options.progress || options.progress(done); };
+  Extraction extraction(field, isovalue, options.gradients);
+  const std::vector<Task> tasks = extraction.tasks();
+  std::vector<ContourPart> parts(tasks.size());
+  constexpr std::size_t steps = 8;
+  for (std::size_t step = 0; step < steps; ++step)
+  {
+    tbb::parallel_for(step * tasks.size() / steps, (step + 1) * tasks.size() / steps,
+      [&](std::size_t i) { extraction.run(tasks[i], parts[i]); });
+    if (!goesOn(0.8 * static_cast<double>(step + 1) / steps))
+    {
+      return {};
+    }
+  }
+  ContourMesh mesh = assemble(octantDepth(field.octree()), parts);
+  auto lines = concatenated(parts, &ContourPart::lines);
+  const auto values = concatenated(parts, &ContourPart::values);
+  closeTransitions(field.octree().grid(), octantDepth(field.octree()), lines, values, mesh);
+  return goesOn(1.) ? std::move(mesh) : ContourMesh{};
+}
+
+std::vector<float> interpolate(const Field& field, const ContourMesh& mesh)
+{
+  std::vector<float> values(mesh.points.size());
+  tbb::enumerable_thread_specific<BlockInterpolation> interpolations(
+    [&field] { return BlockInterpolation(field); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.blocks.size(), 64), [&](const auto& range) {
+    BlockInterpolation& interpolation = interpolations.local();
+    for (std::size_t b = range.begin(); b != range.end(); ++b)
+    {
+      interpolation.goTo(mesh.blocks[b]);
+      const std::size_t end =
+        b + 1 < mesh.blocks.size() ? static_cast<std::size_t>(mesh.blocks[b + 1].firstPoint) : values.size();
+      for (auto p = static_cast<std::size_t>(mesh.blocks[b].firstPoint); p < end; ++p)
+      {
+        values[p] = interpolation.value(mesh.points[p]);
+      }
+    }
+  });
+  return values;
+}
+
+} // namespace treeamr

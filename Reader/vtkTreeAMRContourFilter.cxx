@@ -1,0 +1,361 @@
+// One surface after the other in the core, put together here.
+#include "vtkTreeAMRContourFilter.h"
+
+#include "HyperTreeGridConverter.h"
+
+#include "Contour/Contour.h"
+#include "Error.h"
+#include "Interpolation/Sampler.h"
+
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkContourValues.h"
+#include "vtkDataArray.h"
+#include "vtkFloatArray.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMath.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
+#include "vtkTypeInt32Array.h"
+#include "vtkTypeInt64Array.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+vtkStandardNewMacro(vtkTreeAMRContourFilter);
+
+namespace
+{
+
+/// The surface of an isovalue, and the number of its first point in the output.
+struct Surface
+{
+  double Value;
+  vtkIdType FirstPoint;
+  treeamr::ContourMesh Mesh;
+};
+
+/// Calls body(first, end) for ranges of [0, count) in parallel.
+template <class Body>
+void ForRanges(std::size_t count, const Body& body)
+{
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096),
+    [&](const auto& range) { body(range.begin(), range.end()); });
+}
+
+void AddPoints(const std::vector<Surface>& surfaces, vtkIdType count, vtkPolyData* output)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(count);
+  auto* to = static_cast<double*>(points->GetVoidPointer(0));
+  for (const Surface& surface : surfaces)
+  {
+    const auto& from = surface.Mesh.points;
+    std::memcpy(to + 3 * surface.FirstPoint, from.data(), from.size() * sizeof(from[0]));
+  }
+  output->SetPoints(points);
+}
+
+template <class Array>
+void AddTriangles(const std::vector<Surface>& surfaces, vtkIdType count, vtkPolyData* output)
+{
+  using Number = typename Array::ValueType;
+  vtkNew<Array> offsets;
+  offsets->SetNumberOfValues(count + 1);
+  vtkNew<Array> connectivity;
+  connectivity->SetNumberOfValues(3 * count);
+  Number* offset = offsets->GetPointer(0);
+  ForRanges(static_cast<std::size_t>(count) + 1, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i)
+    {
+      offset[i] = static_cast<Number>(3 * i);
+    }
+  });
+  Number* to = connectivity->GetPointer(0);
+  for (const Surface& surface : surfaces)
+  {
+    const auto& triangles = surface.Mesh.triangles;
+    ForRanges(triangles.size(), [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
+      {
+        for (int c = 0; c < 3; ++c)
+        {
+          to[3 * i + c] = static_cast<Number>(surface.FirstPoint + triangles[i][c]);
+        }
+      }
+    });
+    to += 3 * triangles.size();
+  }
+  vtkNew<vtkCellArray> polygons;
+  polygons->SetData(offsets, connectivity);
+  output->SetPolys(polygons);
+}
+
+/// scale(gradient) is what to store of a gradient.
+template <class Scale>
+vtkSmartPointer<vtkFloatArray> GradientArray(
+  const std::vector<Surface>& surfaces, vtkIdType count, const char* name, const Scale& scale)
+{
+  auto array = vtkSmartPointer<vtkFloatArray>::New();
+  array->SetName(name);
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(count);
+  for (const Surface& surface : surfaces)
+  {
+    const auto& gradients = surface.Mesh.gradients;
+    float* to = array->GetPointer(3 * surface.FirstPoint);
+    ForRanges(gradients.size(), [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i)
+      {
+        const double factor = scale(gradients[i]);
+        for (int a = 0; a < 3; ++a)
+        {
+          to[3 * i + a] = static_cast<float>(factor * gradients[i][a]);
+        }
+      }
+    });
+  }
+  return array;
+}
+
+vtkSmartPointer<vtkDataArray> NewPointArray(vtkDataArray* cells, int components, vtkIdType count)
+{
+  auto array = vtkSmartPointer<vtkDataArray>::Take(
+    vtkDataArray::CreateDataArray(cells->GetDataType() == VTK_DOUBLE ? VTK_DOUBLE : VTK_FLOAT));
+  array->SetName(cells->GetName());
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(count);
+  return array;
+}
+
+/// For a field that cuts other cells from the octree than the contoured one.
+std::vector<float> SampleEach(
+  const std::shared_ptr<const treeamr::Field>& field, const std::vector<std::array<double, 3>>& points)
+{
+  const auto sampler = treeamr::Sampler::create(treeamr::InterpolationMethod::GTI, field);
+  std::vector<float> values(points.size());
+  ForRanges(points.size(), [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i)
+    {
+      treeamr::FieldSample sample{ std::numeric_limits<double>::quiet_NaN(), {} };
+      sampler->sample(points[i], sample);
+      values[i] = static_cast<float>(sample.value);
+    }
+  });
+  return values;
+}
+
+/// A cell array at all points.
+vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, vtkDataArray* cells,
+  const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count)
+{
+  const int components = cells->GetNumberOfComponents();
+  vtkSmartPointer<vtkDataArray> array = NewPointArray(cells, components, count);
+  for (int c = 0; c < components; ++c)
+  {
+    const auto field = treeamr::acquireField(input, { cells->GetName(), c }, false);
+    for (const Surface& surface : surfaces)
+    {
+      const std::vector<float> values = &field->octree() == &octree
+        ? treeamr::interpolate(*field, surface.Mesh)
+        : SampleEach(field, surface.Mesh.points);
+      ForRanges(values.size(), [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i)
+        {
+          array->SetComponent(surface.FirstPoint + static_cast<vtkIdType>(i), c, values[i]);
+        }
+      });
+    }
+  }
+  return array;
+}
+
+} // namespace
+
+vtkTreeAMRContourFilter::vtkTreeAMRContourFilter()
+{
+  this->SetInputArrayToProcess(
+    0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, vtkDataSetAttributes::SCALARS);
+}
+
+vtkTreeAMRContourFilter::~vtkTreeAMRContourFilter() = default;
+
+void vtkTreeAMRContourFilter::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  this->ContourValues->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
+  os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
+  os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
+}
+
+void vtkTreeAMRContourFilter::SetValue(int i, double value)
+{
+  this->ContourValues->SetValue(i, value);
+}
+
+double vtkTreeAMRContourFilter::GetValue(int i)
+{
+  return this->ContourValues->GetValue(i);
+}
+
+double* vtkTreeAMRContourFilter::GetValues()
+{
+  return this->ContourValues->GetValues();
+}
+
+void vtkTreeAMRContourFilter::GetValues(double* contourValues)
+{
+  this->ContourValues->GetValues(contourValues);
+}
+
+void vtkTreeAMRContourFilter::SetNumberOfContours(int number)
+{
+  this->ContourValues->SetNumberOfContours(number);
+}
+
+vtkIdType vtkTreeAMRContourFilter::GetNumberOfContours()
+{
+  return this->ContourValues->GetNumberOfContours();
+}
+
+void vtkTreeAMRContourFilter::GenerateValues(int numContours, double range[2])
+{
+  this->ContourValues->GenerateValues(numContours, range);
+}
+
+void vtkTreeAMRContourFilter::GenerateValues(int numContours, double rangeStart, double rangeEnd)
+{
+  this->ContourValues->GenerateValues(numContours, rangeStart, rangeEnd);
+}
+
+vtkMTimeType vtkTreeAMRContourFilter::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
+}
+
+int vtkTreeAMRContourFilter::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkHyperTreeGrid");
+  return 1;
+}
+
+int vtkTreeAMRContourFilter::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  vtkHyperTreeGrid* input = vtkHyperTreeGrid::GetData(inputVector[0]);
+  vtkPolyData* output = vtkPolyData::GetData(outputVector);
+  try
+  {
+    vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
+    input->InitializeTreeIterator(trees);
+    vtkIdType unused;
+    if (trees.GetNextTree(unused))
+    {
+      this->Contour(input, output);
+    }
+  }
+  catch (const std::exception& e)
+  {
+    output->Initialize();
+    vtkErrorMacro(<< e.what());
+    return 0;
+  }
+  return 1;
+}
+
+void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* output)
+{
+  vtkDataArray* contoured = this->GetInputArrayToProcess(0, input);
+  if (!contoured || !contoured->GetName())
+  {
+    throw treeamr::Error("contour: the input has no such cell array, or it has no name");
+  }
+  const auto field = treeamr::acquireField(input, { contoured->GetName(), 0 }, true);
+  std::vector<Surface> surfaces(this->GetNumberOfContours());
+  vtkIdType points = 0;
+  vtkIdType triangles = 0;
+  treeamr::ContourOptions options;
+  options.gradients = this->ComputeNormals || this->ComputeGradients;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+  {
+    options.progress = [&](double done) {
+      this->UpdateProgress(0.9 * (static_cast<double>(i) + done) / static_cast<double>(surfaces.size()));
+      return !this->GetAbortExecute();
+    };
+    const double value = this->GetValue(static_cast<int>(i));
+    surfaces[i] = { value, points, treeamr::contour(*field, value, options) };
+    if (this->GetAbortExecute())
+    {
+      return;
+    }
+    points += static_cast<vtkIdType>(surfaces[i].Mesh.points.size());
+    triangles += static_cast<vtkIdType>(surfaces[i].Mesh.triangles.size());
+  }
+
+  AddPoints(surfaces, points, output);
+  if (std::max(points, 3 * triangles) < std::numeric_limits<vtkTypeInt32>::max())
+  {
+    AddTriangles<vtkTypeInt32Array>(surfaces, triangles, output);
+  }
+  else
+  {
+    AddTriangles<vtkTypeInt64Array>(surfaces, triangles, output);
+  }
+  vtkPointData* pointData = output->GetPointData();
+  if (this->ComputeScalars)
+  {
+    const vtkSmartPointer<vtkDataArray> scalars = NewPointArray(contoured, 1, points);
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+    {
+      const vtkIdType end = i + 1 < surfaces.size() ? surfaces[i + 1].FirstPoint : points;
+      for (vtkIdType p = surfaces[i].FirstPoint; p < end; ++p)
+      {
+        scalars->SetComponent(p, 0, surfaces[i].Value);
+      }
+    }
+    pointData->SetScalars(scalars);
+  }
+  if (this->ComputeGradients)
+  {
+    pointData->SetVectors(GradientArray(surfaces, points, "Gradients", [](const auto&) { return 1.; }));
+  }
+  if (this->ComputeNormals)
+  {
+    pointData->SetNormals(
+      GradientArray(surfaces, points, "Normals", [](const std::array<float, 3>& gradient) {
+        const double length = vtkMath::Norm(gradient.data());
+        return length > 0. ? -1. / length : 0.;
+      }));
+  }
+  vtkCellData* cells = input->GetCellData();
+  for (int i = 0; i < cells->GetNumberOfArrays() && !this->GetAbortExecute(); ++i)
+  {
+    vtkDataArray* array = cells->GetArray(i);
+    if (!array || array == contoured || !array->GetName() ||
+      strcmp(array->GetName(), vtkDataSetAttributes::GhostArrayName()) == 0)
+    {
+      continue;
+    }
+    try
+    {
+      pointData->AddArray(Interpolate(input, array, field->octree(), surfaces, points));
+    }
+    catch (const treeamr::Error& e)
+    {
+      vtkWarningMacro(<< e.what());
+    }
+  }
+}

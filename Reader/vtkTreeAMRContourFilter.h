@@ -1,0 +1,102 @@
+/**
+ * @class   vtkTreeAMRContourFilter
+ * @brief   isosurfaces of a vtkHyperTreeGrid as polygons, watertight across refinement levels
+ *
+ * The triangles of the surfaces where the reconstructed field (GTI, as vtkTreeAMRIsosurfaceMapper draws it)
+ * has the given values. Within a surface every edge has two triangles, whatever the levels that meet there,
+ * but for edges on the boundary of the domain, towards missing cells and towards ghosts. Normals and the
+ * order of a triangle's points point to lower values, as those of vtkContourFilter do. Points are double
+ * precision.
+ *
+ * SetInputArrayToProcess() chooses the cell array, the active scalars by default; of several components the
+ * first counts. Every other numeric cell array (but vtkGhostType) is interpolated at the points, component by
+ * component: arrays of double give double, all others float. A point is NaN where an array has no finite
+ * value in the cells around. See HyperTreeGridConverter.h for the cells that are drawn.
+ *
+ * The output does not depend on the number of threads. It is empty for a grid without trees; for a value that
+ * is not finite and for a grid or array that cannot be converted there is an error, too.
+ */
+#ifndef vtkTreeAMRContourFilter_h
+#define vtkTreeAMRContourFilter_h
+
+#include "vtkNew.h" // for ContourValues
+#include "vtkPolyDataAlgorithm.h"
+#include "vtkTreeAMRReaderModule.h"
+
+class vtkContourValues;
+class vtkHyperTreeGrid;
+
+class VTKTREEAMRREADER_EXPORT vtkTreeAMRContourFilter : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkTreeAMRContourFilter* New();
+  vtkTypeMacro(vtkTreeAMRContourFilter, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * The isovalues, as in vtkContourFilter: a single 0 by default.
+   */
+  void SetValue(int i, double value);
+  double GetValue(int i);
+  double* GetValues();
+  void GetValues(double* contourValues);
+  void SetNumberOfContours(int number);
+  vtkIdType GetNumberOfContours();
+  void GenerateValues(int numContours, double range[2]);
+  void GenerateValues(int numContours, double rangeStart, double rangeEnd);
+  ///@}
+
+  /**
+   * Of the filter and its values.
+   */
+  vtkMTimeType GetMTime() override;
+
+  ///@{
+  /**
+   * Whether to add "Normals", against the gradients. On by default.
+   */
+  vtkSetMacro(ComputeNormals, bool);
+  vtkGetMacro(ComputeNormals, bool);
+  vtkBooleanMacro(ComputeNormals, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether to add "Gradients" in world coordinates: the mean of the trilinear pieces that meet at a point.
+   * Off by default.
+   */
+  vtkSetMacro(ComputeGradients, bool);
+  vtkGetMacro(ComputeGradients, bool);
+  vtkBooleanMacro(ComputeGradients, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Whether to add the isovalue as active scalars, under the name of the array. On by default.
+   */
+  vtkSetMacro(ComputeScalars, bool);
+  vtkGetMacro(ComputeScalars, bool);
+  vtkBooleanMacro(ComputeScalars, bool);
+  ///@}
+
+protected:
+  vtkTreeAMRContourFilter();
+  ~vtkTreeAMRContourFilter() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+  vtkNew<vtkContourValues> ContourValues;
+  bool ComputeNormals = true;
+  bool ComputeGradients = false;
+  bool ComputeScalars = true;
+
+private:
+  vtkTreeAMRContourFilter(const vtkTreeAMRContourFilter&) = delete;
+  void operator=(const vtkTreeAMRContourFilter&) = delete;
+
+  void Contour(vtkHyperTreeGrid* input, vtkPolyData* output);
+};
+
+#endif
