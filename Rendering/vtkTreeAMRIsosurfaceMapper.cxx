@@ -184,6 +184,7 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(vtkRenderer* renderer, vtkActor* act
   internals.WorldFromData = worldFromData;
   const treeamr::Camera camera(
     clipFromData, worldFromData, internals.Viewport.Width, internals.Viewport.Height);
+  internals.Surface->startFrame();
   internals.Surface->render(camera, treeamr::SurfaceLayers::Nearest, internals.Hits);
   internals.SurfaceTimeOfHits = internals.SurfaceTime.GetMTime();
   internals.Camera = camera;

@@ -422,6 +422,11 @@ IsosurfaceStatistics Isosurface::statistics() const
   return statistics;
 }
 
+void Isosurface::startFrame()
+{
+  impl_->blocks.startFrame();
+}
+
 bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const
 {
   Query query;

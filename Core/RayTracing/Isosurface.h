@@ -66,6 +66,9 @@ public:
   const std::vector<double>& isovalues() const noexcept;
   IsosurfaceStatistics statistics() const;
 
+  /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is short.
+  void startFrame();
+
   /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.
   bool intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const;
   /// All hits there, ascending.

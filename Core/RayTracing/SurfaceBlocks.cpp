@@ -190,7 +190,7 @@ SurfaceBlocks::Worker& SurfaceBlocks::worker() const
   std::unique_ptr<Worker>& worker = workers_.local();
   if (!worker)
   {
-    worker.reset(new Worker{ BlockEvaluator(*field_), {}, RecordPool<SurfaceRecord>::Writer(pool_), {} });
+    worker.reset(new Worker{ BlockEvaluator(*field_), {}, ChunkPool<Chunk>::Writer(pool_), {} });
   }
   return *worker;
 }
@@ -206,8 +206,8 @@ void SurfaceBlocks::findActive(bool keep)
       std::uint64_t active = 0;
       for (std::size_t i = range.begin(); i < range.end(); ++i)
       {
-        SurfaceRecord* kept = keep ? own.writer.room() : nullptr;
-        SurfaceRecord& record = kept ? *kept : own.unkept;
+        Chunk* kept = keep ? own.writer.room() : nullptr;
+        SurfaceRecord& record = kept ? kept->records[own.writer.index()] : own.unkept;
         evaluate(blocks_[i], own, record);
         if (record.active == 0)
         {
@@ -309,14 +309,32 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
 const SurfaceRecord& SurfaceBlocks::compute(SurfaceBlock& block) const
 {
   Worker& own = worker();
-  SurfaceRecord* kept = own.writer.room();
-  SurfaceRecord& record = kept ? *kept : own.unkept;
+  Chunk* kept = own.writer.room();
+  SurfaceRecord& record = kept ? kept->records[own.writer.index()] : own.unkept;
   evaluate(block, own, record);
   if (kept)
   {
     std::atomic_ref(block.record_).store(own.writer.keep(), std::memory_order_release);
   }
+  else
+  {
+    unkept_.fetch_add(1, std::memory_order_relaxed);
+  }
   return record;
+}
+
+void SurfaceBlocks::startFrame()
+{
+  if (unkept_ > pool_.byteSize() / sizeof(SurfaceRecord))
+  {
+    for (SurfaceBlock& block : blocks_)
+    {
+      block.record_ = 0;
+    }
+    workers_.clear();
+    pool_.forget();
+  }
+  unkept_ = 0;
 }
 
 } // namespace treeamr

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "Interpolation/BlockValues.h"
-#include "RayTracing/RecordPool.h"
+#include "RayTracing/ChunkPool.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
@@ -81,10 +81,14 @@ public:
   const SurfaceRecord& record(std::uint32_t block) const
   {
     const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
-    return number != 0 ? pool_.at(number) : compute(blocks_[block]);
+    return number != 0 ? pool_.chunkOf(number).records[number % Chunk::size] : compute(blocks_[block]);
   }
   /// The leaf that an octant of a block is part of.
   std::uint64_t leaf(std::uint32_t block, int octant) const noexcept;
+
+  /// Call when no thread asks for records, before a frame. When the budget is used up and most of the records of
+  /// the last frame were not kept, forgets all, so that a new view gets its share.
+  void startFrame();
 
   /// Active octants of all blocks.
   std::uint64_t octantCount() const noexcept { return octants_; }
@@ -93,11 +97,16 @@ public:
   std::size_t keptBytes() const noexcept { return pool_.byteSize(); }
 
 private:
+  struct Chunk
+  {
+    static constexpr std::uint32_t size = 256;
+    std::array<SurfaceRecord, size> records;
+  };
   struct Worker
   {
     BlockEvaluator evaluator;
     BlockPath path;
-    RecordPool<SurfaceRecord>::Writer writer;
+    ChunkPool<Chunk>::Writer writer;
     SurfaceRecord unkept;
   };
 
@@ -115,7 +124,8 @@ private:
   std::vector<double> isovalues_;
   mutable std::vector<SurfaceBlock> blocks_; // rays add their records
   std::uint64_t octants_ = 0;
-  mutable RecordPool<SurfaceRecord> pool_;
+  mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records computed since startFrame()
+  mutable ChunkPool<Chunk> pool_;
   mutable tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers_;
 };
 

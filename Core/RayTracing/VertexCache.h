@@ -6,6 +6,7 @@
 #pragma once
 
 #include "Interpolation/BlockValues.h"
+#include "RayTracing/ChunkPool.h"
 
 #include <atomic>
 #include <cstdint>
@@ -31,6 +32,14 @@ static_assert(sizeof(BlockRecord) == 256);
 
 class VertexCache
 {
+  /// Ranges apart, so that finding a block transparent does not touch its values.
+  struct Chunk
+  {
+    static constexpr std::uint32_t size = 256;
+    std::array<BlockRecord, size> records;
+    std::array<Range, size> ranges;
+  };
+
 public:
   /// For the inner nodes of one field's octree. A budget too small for the table of nodes keeps nothing.
   VertexCache(const Octree& octree, std::size_t budgetBytes);
@@ -52,8 +61,8 @@ public:
     {
       return { nullptr, {} };
     }
-    const Chunk* chunk = chunks_[slot / chunkRecords].load(std::memory_order_acquire);
-    return { &chunk->records[slot % chunkRecords], chunk->ranges[slot % chunkRecords] };
+    const Chunk& chunk = pool_.chunkOf(slot);
+    return { &chunk.records[slot % Chunk::size], chunk.ranges[slot % Chunk::size] };
   }
 
   /// A writer's supply of records: one for each thread.
@@ -62,6 +71,7 @@ public:
   public:
     explicit Writer(VertexCache& cache) noexcept
       : cache_(cache)
+      , records_(cache.pool_)
     {
     }
     /// Keeps the block of an inner node; null when the budget is used up. Its hull's width must be finite.
@@ -69,8 +79,7 @@ public:
 
   private:
     VertexCache& cache_;
-    std::uint32_t next_ = 0;
-    std::uint32_t end_ = 0;
+    ChunkPool<Chunk>::Writer records_;
   };
 
   /// Call when no thread renders and blocks of means are going to be kept: they have a table of their own.
@@ -82,33 +91,17 @@ public:
   /// Allocated bytes.
   std::size_t byteSize() const noexcept;
   /// Bytes of one block, for budgets.
-  static constexpr std::size_t blockBytes = sizeof(BlockRecord) + sizeof(Range);
+  static constexpr std::size_t blockBytes = sizeof(Chunk) / Chunk::size;
 
 private:
-  static constexpr std::uint32_t chunkRecords = 256;
-  /// Apart, so that finding a block transparent does not touch its values.
-  struct Chunk
-  {
-    std::array<BlockRecord, chunkRecords> records;
-    std::array<Range, chunkRecords> ranges;
-  };
-  static_assert(sizeof(Chunk) == chunkRecords * blockBytes);
-
   using Slots = std::vector<std::atomic<std::uint32_t>>; // by inner node; 0: not kept
   const Slots& slotsOf(BlockCells cells) const noexcept
   {
     return cells == BlockCells::Leaves ? slots_ : meanSlots_;
   }
-  /// First slot of a new chunk; 0 when there is none left.
-  std::uint32_t addChunk();
-
   Slots slots_;
   Slots meanSlots_; // empty until they are prepared
-  std::vector<std::atomic<Chunk*>> chunks_;
-  std::vector<std::unique_ptr<Chunk>> storage_; // of chunks_, for their release
-  std::uint32_t chunkLimit_ = 0;                // that the budget allows
-  std::atomic<std::uint32_t> usedChunks_{ 0 };
-  std::atomic<bool> overflowed_{ false };
+  ChunkPool<Chunk> pool_;
   bool full_ = false; // overflowed in an earlier frame
 };
 

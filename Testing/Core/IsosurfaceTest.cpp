@@ -521,6 +521,37 @@ TEST(Isosurface, SeveralIsovaluesAreTheirSurfacesTogether)
   EXPECT_GT(hits, 20000);
 }
 
+TEST(Isosurface, HitsDoNotDependOnTheBudget)
+{
+  const RandomTree options{ 5, { 4, 4, 4 }, 4, 0.9, 0., false };
+  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  const Isosurface all(field, { 0. });
+  constexpr std::size_t budget = 300 << 10;
+  Isosurface few(field, { 0. }, budget);
+  ASSERT_GT(all.statistics().keptBytes, 3 * budget);
+  for (int view = 0; view < 4; ++view)
+  {
+    const double angle = 1.5 * view;
+    const Camera camera(
+      multiply(perspective(40., 1., 30.),
+        lookAt({ 2. + 9. * std::cos(angle), 4., 2. + 9. * std::sin(angle) }, { 2., 2., 2. })),
+      identityMatrix, 100, 100);
+    HitImage expected;
+    HitImage hits;
+    all.render(camera, SurfaceLayers::Nearest, expected);
+    few.startFrame();
+    few.render(camera, SurfaceLayers::Nearest, hits);
+    EXPECT_LE(few.statistics().keptBytes, budget);
+    ASSERT_EQ(hits.first, expected.first);
+    ASSERT_GT(hits.hits.size(), 1000u);
+    for (std::size_t i = 0; i < hits.hits.size(); ++i)
+    {
+      ASSERT_EQ(hits.hits[i].t, expected.hits[i].t);
+      ASSERT_EQ(hits.hits[i].gradient, expected.hits[i].gradient);
+    }
+  }
+}
+
 TEST(Isosurface, KnowsTheCellsOfItsHits)
 {
   const RandomTree options{ 6, { 2, 1, 1 }, 4, 0.6, 0.1, false };
