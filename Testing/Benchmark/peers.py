@@ -46,6 +46,7 @@ DEFAULT_ROUTES = [route for route in ROUTES if route not in ("bunyk", "zsweep")]
 
 SURFACE_ROUTES = {
     "isosurface-treeamr": "Tree AMR Isosurface",
+    "isosurface-contour": "Tree AMR Contour",
     "isosurface-grid": "Contour of the grid",
     "isosurface-hexes": "hexes, Contour",
 }
@@ -135,7 +136,8 @@ def show_surface(route, reader, view, isovalue):
         if route == "isosurface-hexes":
             source = hexes_with_point_values(reader)
         array = ["POINTS" if route == "isosurface-hexes" else "CELLS", "value"]
-        source = simple.Contour(Input=source, ContourBy=array, Isosurfaces=[isovalue])
+        contour = simple.TreeAMRContour if route == "isosurface-contour" else simple.Contour
+        source = contour(Input=source, ContourBy=array, Isosurfaces=[isovalue])
         kind = "Surface"
     representation = simple.Show(source, view)
     representation.ColorArrayName = [None, ""]

@@ -523,8 +523,14 @@ TEST(Isosurface, SeveralIsovaluesAreTheirSurfacesTogether)
 
 TEST(Isosurface, HitsDoNotDependOnTheBudget)
 {
-  const RandomTree options{ 5, { 4, 4, 4 }, 4, 0.9, 0., false };
-  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-1.f, 1.f);
+  std::vector<LeafCell> cells;
+  for (Coord i = 0; i < 32 * 32 * 32; ++i)
+  {
+    cells.push_back({ { { i & 31, i >> 5 & 31, i >> 10 }, 5 }, uniform(random) });
+  }
+  const auto field = makeField(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 4., 4., 4. }), cells);
   const Isosurface all(field, { 0. });
   constexpr std::size_t budget = 300 << 10;
   Isosurface few(field, { 0. }, budget);
