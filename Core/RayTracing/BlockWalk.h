@@ -110,18 +110,14 @@ template <class Visit>
 void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& ray, double t0, double t1,
   const double& limit, const Visit& visit)
 {
-  struct Axis
-  {
-    std::array<double, 5> t; // of the planes in the order that the ray crosses them
-    double next;             // of them
-    int passed;              // octants along the axis
-    int cell;
-    int step; // of the cell; 0: the ray stays in it
-  };
-  std::array<Axis, 3> axes;
+  // By axis; indexed by constants below, so that they stay in registers.
+  std::array<std::array<double, 5>, 3> planeT; // in the order that the ray crosses the planes
+  std::array<double, 3> next;                  // of them
+  std::array<int, 3> passed;                   // octants
+  std::array<int, 3> cell{};
+  std::array<int, 3> step; // of the cell; 0: the ray stays in it
   for (int a = 0; a < 3; ++a)
   {
-    Axis& axis = axes[a];
     const auto& p = planes.at[a];
     if (!ray.crosses(a))
     {
@@ -130,53 +126,50 @@ void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& r
       {
         return;
       }
-      axis.step = 0;
-      axis.cell = (ray.origin[a] >= p[1]) + (ray.origin[a] >= p[2]) + (ray.origin[a] >= p[3]);
+      step[a] = 0;
+      cell[a] = (ray.origin[a] >= p[1]) + (ray.origin[a] >= p[2]) + (ray.origin[a] >= p[3]);
       continue;
     }
     const bool up = ray.direction[a] > 0.;
-    axis.step = up ? 1 : -1;
+    step[a] = up ? 1 : -1;
     for (int i = 0; i < 5; ++i)
     {
-      axis.t[i] = ray.planeAt(a, p[up ? i : 4 - i]);
+      planeT[a][i] = ray.planeAt(a, p[up ? i : 4 - i]);
     }
-    t0 = std::max(t0, axis.t[0]);
-    t1 = std::min(t1, axis.t[4]);
+    t0 = std::max(t0, planeT[a][0]);
+    t1 = std::min(t1, planeT[a][4]);
   }
   if (!(t0 < t1 && t0 <= limit))
   {
     return;
   }
-  int octant = 0;
   for (int a = 0; a < 3; ++a)
   {
-    Axis& axis = axes[a];
-    if (axis.step == 0)
+    if (step[a] == 0)
     {
-      axis.next = std::numeric_limits<double>::infinity();
+      next[a] = std::numeric_limits<double>::infinity();
+      passed[a] = 0;
+      continue;
     }
-    else
-    {
-      axis.passed = (axis.t[1] <= t0) + (axis.t[2] <= t0) + (axis.t[3] <= t0);
-      axis.cell = axis.step > 0 ? axis.passed : 3 - axis.passed;
-      axis.next = axis.t[axis.passed + 1];
-    }
-    octant |= axis.cell << 2 * a;
+    passed[a] = (planeT[a][1] <= t0) + (planeT[a][2] <= t0) + (planeT[a][3] <= t0);
+    cell[a] = step[a] > 0 ? passed[a] : 3 - passed[a];
+    next[a] = planeT[a][passed[a] + 1];
   }
+  const auto advance = [&](int a) {
+    cell[a] += step[a];
+    next[a] = planeT[a][++passed[a] + 1];
+  };
   for (;;)
   {
-    const int xy = axes[0].next <= axes[1].next ? 0 : 1;
-    const int next = axes[xy].next <= axes[2].next ? xy : 2;
-    Axis& axis = axes[next];
-    const double tOut = std::min(axis.next, t1);
+    const double tOut = std::min({ next[0], next[1], next[2], t1 });
+    const int octant = cell[0] | cell[1] << 2 | cell[2] << 4;
     if (active >> octant & 1 && t0 < tOut)
     {
       OctantCrossing crossing{ octant, t0, tOut, {}, {} };
       for (int a = 0; a < 3; ++a)
       {
-        const double low = planes.at[a][axes[a].cell];
-        const double inverse = planes.inverseWidth[a][axes[a].cell];
-        const double origin = ray.origin[a] - low;
+        const double inverse = planes.inverseWidth[a][cell[a]];
+        const double origin = ray.origin[a] - planes.at[a][cell[a]];
         crossing.from[a] = std::clamp((origin + t0 * ray.direction[a]) * inverse, 0., 1.);
         crossing.to[a] = std::clamp((origin + tOut * ray.direction[a]) * inverse, 0., 1.);
       }
@@ -190,10 +183,18 @@ void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& r
       return;
     }
     t0 = std::max(t0, tOut);
-    octant += axis.step * (1 << 2 * next);
-    axis.cell += axis.step;
-    ++axis.passed;
-    axis.next = axis.t[axis.passed + 1];
+    if (next[0] == tOut)
+    {
+      advance(0);
+    }
+    else if (next[1] == tOut)
+    {
+      advance(1);
+    }
+    else
+    {
+      advance(2);
+    }
   }
 }
 
