@@ -13,8 +13,11 @@
  * colour, with a warning. Real depth is written: the surface meets polygons and volumes correctly.
  *
  * Opacity below 1 shows the nearest layer of the surface translucent; layers behind it are not drawn yet.
- * Hardware selection (picking) finds the prop, not cells. Clipping planes are not implemented and warn. Needs
- * an OpenGL window.
+ * Hardware selection gives the cells that the surface is seen in, as indices into the grid's cell arrays; a
+ * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker) find
+ * points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect data
+ * sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. Clipping planes are not
+ * implemented and warn. Needs an OpenGL window.
  */
 
 #ifndef vtkTreeAMRIsosurfaceMapper_h

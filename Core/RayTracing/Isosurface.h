@@ -77,6 +77,8 @@ public:
 
   /// Index of the leaf that a hit lies in.
   std::uint64_t leaf(const SurfaceHit& hit) const noexcept;
+  /// Its place.
+  CellId cell(const SurfaceHit& hit) const noexcept;
   /// Width of that leaf along its shortest axis, in data coordinates.
   double leafWidth(const SurfaceHit& hit) const noexcept;
 
