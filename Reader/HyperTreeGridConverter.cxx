@@ -131,15 +131,18 @@ vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
   }
   vtkIdType treeId = 0;
   grid.GetIndexFromLevelZeroCoordinates(treeId, root[0], root[1], root[2]);
-  const vtkHyperTree* tree = grid.GetTree(treeId);
-  if (!tree)
+  HyperTreeView tree;
+  tree.tree = grid.GetTree(treeId);
+  if (!tree.tree)
   {
     throw noCell();
   }
+  tree.vertexCount = tree.tree->GetNumberOfVertices();
+  tree.elderChild = tree.tree->GetElderChildIndexArray(tree.elderChildCount);
   vtkIdType vertex = 0;
   for (int up = cell.level - 1; up >= 0; --up)
   {
-    if (tree->IsLeaf(vertex))
+    if (tree.isLeaf(vertex))
     {
       throw noCell();
     }
@@ -148,9 +151,9 @@ vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
     {
       octant |= static_cast<int>(cell.index[a] >> up & 1) << a;
     }
-    vertex = tree->GetElderChildIndex(static_cast<unsigned int>(vertex)) + octant;
+    vertex = tree.child(vertex, octant);
   }
-  return tree->GetGlobalIndexFromLocal(vertex);
+  return tree.tree->GetGlobalIndexFromLocal(vertex);
 }
 
 void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])
