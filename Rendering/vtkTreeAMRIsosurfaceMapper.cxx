@@ -79,6 +79,7 @@ void vtkTreeAMRIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Isovalue: " << this->Isovalue << endl;
   os << indent << "IsosurfaceComponent: " << this->IsosurfaceComponent << endl;
+  os << indent << "CompositeIndex: " << this->CompositeIndex << endl;
   os << indent << "NumberOfPrimitives: " << this->GetNumberOfPrimitives() << endl;
 }
 
@@ -338,7 +339,7 @@ void vtkTreeAMRIsosurfaceMapper::Select(vtkRenderer* renderer, vtkActor* actor)
   switch (pass)
   {
     case vtkHardwareSelector::COMPOSITE_INDEX_PASS:
-      selector->RenderCompositeIndex(1);
+      selector->RenderCompositeIndex(this->CompositeIndex);
       [[fallthrough]];
     case vtkHardwareSelector::ACTOR_PASS:
     case vtkHardwareSelector::PROCESS_PASS:

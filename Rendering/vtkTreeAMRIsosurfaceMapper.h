@@ -53,6 +53,13 @@ public:
   ///@}
 
   ///@{
+  /// What hardware selection gives as composite index: the flat index of the grid's block in a composite data set.
+  /// Default 1, as of a grid that is in none.
+  vtkSetMacro(CompositeIndex, unsigned int);
+  vtkGetMacro(CompositeIndex, unsigned int);
+  ///@}
+
+  ///@{
   /// Octants that the surface in use passes through, and when it was made; 0 before the first.
   vtkIdType GetNumberOfPrimitives();
   vtkMTimeType GetSurfaceBuildTime();
@@ -74,6 +81,7 @@ protected:
 
   double Isovalue = 0.;
   int IsosurfaceComponent = -1;
+  unsigned int CompositeIndex = 1;
 
 private:
   struct Internals;

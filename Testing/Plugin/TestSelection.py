@@ -123,6 +123,26 @@ class TestSelection(scene.TestCase):
         self.assertTrue(cells[surface].all())
         self.assertFalse(cells.all())
 
+    def test_block(self):
+        """Of a composite data set, where a selection names the block too."""
+        blocks = simple.ProgrammableFilter(
+            Input=self.source, OutputDataSetType="vtkMultiblockDataSet", Script="""
+self.GetOutputDataObject(0).SetBlock(2, self.GetInputDataObject(0, 0))
+""")
+        simple.Hide(self.source, self.view)
+        shown = simple.Show(blocks, self.view)
+        shown.SetRepresentationType("Tree AMR Isosurface")
+        shown.Isovalue = ISOVALUE
+        simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=self.view)
+        selection = servermanager._getPyProxy(blocks.GetSelectionInput(0))
+        self.assertEqual("CompositeDataIDSelectionSource", selection.Input[0].GetXMLName())
+        ids = selection.Input[0].IDs
+        self.assertEqual({3}, set(ids[::3]))
+        marked = simple.ExtractSelection(Input=blocks, Selection=selection, PreserveTopology=1)
+        grid = servermanager.Fetch(marked).GetBlock(2)
+        inside = vtk_to_numpy(grid.GetCellData().GetArray("vtkInsidedness"))
+        self.assertEqual(set(ids[2::3]), set(numpy.nonzero(inside)[0]))
+
     def test_no_points(self):
         representations, selections = vtkCollection(), vtkCollection()
         self.view.SelectSurfacePoints([0, 0, 239, 179], representations, selections, 0)
