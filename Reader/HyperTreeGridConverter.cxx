@@ -110,6 +110,52 @@ std::shared_ptr<const Field> acquireField(
   return cache.acquire(topology, values, withNodeRanges);
 }
 
+vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
+{
+  const auto noCell = [&] {
+    return Error("hyper tree grid: it has no cell (" + std::to_string(cell.index[0]) + ", " +
+      std::to_string(cell.index[1]) + ", " + std::to_string(cell.index[2]) + ") of level " +
+      std::to_string(cell.level));
+  };
+  std::array<unsigned int, 3> roots;
+  grid.GetCellDims(roots.data());
+  std::array<unsigned int, 3> root;
+  for (int a = 0; a < 3; ++a)
+  {
+    const Coord place = cell.index[a] >> cell.level;
+    if (place < 0 || place >= static_cast<Coord>(roots[a]))
+    {
+      throw noCell();
+    }
+    root[a] = static_cast<unsigned int>(place);
+  }
+  vtkIdType treeId = 0;
+  grid.GetIndexFromLevelZeroCoordinates(treeId, root[0], root[1], root[2]);
+  HyperTreeView tree;
+  tree.tree = grid.GetTree(treeId);
+  if (!tree.tree)
+  {
+    throw noCell();
+  }
+  tree.vertexCount = tree.tree->GetNumberOfVertices();
+  tree.elderChild = tree.tree->GetElderChildIndexArray(tree.elderChildCount);
+  vtkIdType vertex = 0;
+  for (int up = cell.level - 1; up >= 0; --up)
+  {
+    if (tree.isLeaf(vertex))
+    {
+      throw noCell();
+    }
+    int octant = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      octant |= static_cast<int>(cell.index[a] >> up & 1) << a;
+    }
+    vertex = tree.child(vertex, octant);
+  }
+  return tree.tree->GetGlobalIndexFromLocal(vertex);
+}
+
 void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])
 {
   vtkMath::UninitializeBounds(bounds);

@@ -10,6 +10,8 @@
 
 #include "Octree/Field.h"
 
+#include "vtkType.h"
+
 #include <memory>
 #include <string>
 
@@ -37,6 +39,10 @@ struct ArraySelection
 /// short or has no such component.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+
+/// The place in the cell arrays of the values of a cell, leaf or coarse, of a grid that acquireField() takes. Throws
+/// Error when the grid has no such cell. Safe from several threads while none changes the grid.
+VTKTREEAMRREADER_EXPORT vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell);
 
 /// Bounds (xmin, xmax, ymin, ...) of the trees that this process holds; uninitialised (1, -1, ...) when there
 /// is none or the grid is not one that acquireField() takes. vtkHyperTreeGrid::GetBounds() gives the whole

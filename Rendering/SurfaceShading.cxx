@@ -182,12 +182,14 @@ void shadeHits(const HitImage& hits, const Camera& camera, const Matrix4& worldF
   });
 }
 
-void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image)
+void fillHits(
+  const HitImage& hits, const Camera& camera, const HitColor& color, vtkTreeAMRSurfaceImage& image)
 {
   image.Depth.assign(hits.first.size() - 1, 1.f);
   image.RGBA.assign(4 * image.Depth.size(), 0.f);
   forEachNearest(hits, [&](std::size_t pixel, const SurfaceHit& hit, std::size_t) {
-    std::copy(rgb, rgb + 3, &image.RGBA[4 * pixel]);
+    const std::array<float, 3> rgb = color(hit);
+    std::copy(rgb.begin(), rgb.end(), &image.RGBA[4 * pixel]);
     image.RGBA[4 * pixel + 3] = 1.f;
     image.Depth[pixel] = static_cast<float>(camera.depthFromT(rayOf(camera, pixel), hit.t));
   });

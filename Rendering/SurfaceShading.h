@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace treeamr
@@ -37,8 +38,11 @@ std::vector<float> valuesAtHits(
 void shadeHits(const HitImage& hits, const Camera& camera, const Matrix4& worldFromData,
   const SurfaceAppearance& appearance, const unsigned char* colors, vtkTreeAMRSurfaceImage& image);
 
-/// One colour without lighting, for hardware selection.
-void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image);
+/// RGB of a hit. Called from several threads.
+using HitColor = std::function<std::array<float, 3>(const SurfaceHit&)>;
+/// The nearest hits in colours without lighting, for hardware selection.
+void fillHits(
+  const HitImage& hits, const Camera& camera, const HitColor& color, vtkTreeAMRSurfaceImage& image);
 
 /// Fills Position and Normal of the image.
 void placeHits(

@@ -30,6 +30,7 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
@@ -78,6 +79,7 @@ void vtkTreeAMRIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Isovalue: " << this->Isovalue << endl;
   os << indent << "IsosurfaceComponent: " << this->IsosurfaceComponent << endl;
+  os << indent << "CompositeIndex: " << this->CompositeIndex << endl;
   os << indent << "NumberOfPrimitives: " << this->GetNumberOfPrimitives() << endl;
 }
 
@@ -312,6 +314,10 @@ void vtkTreeAMRIsosurfaceMapper::Select(vtkRenderer* renderer, vtkActor* actor)
 {
   Internals& internals = *this->Private;
   vtkHardwareSelector* selector = renderer->GetSelector();
+  if (selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_POINTS)
+  {
+    return; // there are none; those behind are hidden by the depths that the selector draws first
+  }
   struct PropRender
   {
     vtkHardwareSelector* Selector;
@@ -323,20 +329,38 @@ void vtkTreeAMRIsosurfaceMapper::Select(vtkRenderer* renderer, vtkActor* actor)
     ~PropRender() { this->Selector->EndRenderProp(); }
   };
   const PropRender propRender(selector);
-  // Black in the passes of point and cell ids: nothing there to select, but what is behind stays hidden.
-  float color[3] = { 0.f, 0.f, 0.f };
-  switch (selector->GetCurrentPass())
+  // Decides whether there is a pass of the high bits; global indices may have gaps.
+  vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
+  vtkDataArray* array = grid->GetCellData()->GetArray(internals.Contoured.name.c_str());
+  selector->UpdateMaximumCellId(array->GetNumberOfTuples() - 1);
+
+  // Black in the passes of point ids.
+  std::array<float, 3> ofProp{};
+  const int pass = selector->GetCurrentPass();
+  switch (pass)
   {
     case vtkHardwareSelector::COMPOSITE_INDEX_PASS:
-      selector->RenderCompositeIndex(1);
+      selector->RenderCompositeIndex(this->CompositeIndex);
       [[fallthrough]];
     case vtkHardwareSelector::ACTOR_PASS:
     case vtkHardwareSelector::PROCESS_PASS:
-      selector->GetPropColorValue(color);
+      selector->GetPropColorValue(ofProp.data());
       break;
     default:
       break;
   }
+  const bool low = pass == vtkHardwareSelector::CELL_ID_LOW24;
+  const bool high = pass == vtkHardwareSelector::CELL_ID_HIGH24;
+  const auto color = [&](const treeamr::SurfaceHit& hit) {
+    if (!low && !high)
+    {
+      return ofProp;
+    }
+    const vtkIdType id = treeamr::globalIndex(*grid, internals.Surface->cell(hit));
+    std::array<float, 3> rgb;
+    vtkHardwareSelector::Convert(low ? id : id >> 24, rgb.data());
+    return rgb;
+  };
   treeamr::fillHits(internals.Hits, *internals.Camera, color, internals.Image);
   internals.Framebuffer.DrawSurface(renderer, actor, this, internals.Viewport, internals.Image);
 }

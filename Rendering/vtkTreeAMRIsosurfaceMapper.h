@@ -13,8 +13,11 @@
  * colour, with a warning. Real depth is written: the surface meets polygons and volumes correctly.
  *
  * Opacity below 1 shows the nearest layer of the surface translucent; layers behind it are not drawn yet.
- * Hardware selection (picking) finds the prop, not cells. Clipping planes are not implemented and warn. Needs
- * an OpenGL window.
+ * Hardware selection gives the cells that the surface is seen in, as indices into the grid's cell arrays; a
+ * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker) find
+ * points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect data
+ * sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. Clipping planes are not
+ * implemented and warn. Needs an OpenGL window.
  */
 
 #ifndef vtkTreeAMRIsosurfaceMapper_h
@@ -50,6 +53,13 @@ public:
   ///@}
 
   ///@{
+  /// What hardware selection gives as composite index: the flat index of the grid's block in a composite data set.
+  /// Default 1, as of a grid that is in none.
+  vtkSetMacro(CompositeIndex, unsigned int);
+  vtkGetMacro(CompositeIndex, unsigned int);
+  ///@}
+
+  ///@{
   /// Octants that the surface in use passes through, and when it was made; 0 before the first.
   vtkIdType GetNumberOfPrimitives();
   vtkMTimeType GetSurfaceBuildTime();
@@ -71,6 +81,7 @@ protected:
 
   double Isovalue = 0.;
   int IsosurfaceComponent = -1;
+  unsigned int CompositeIndex = 1;
 
 private:
   struct Internals;

@@ -569,9 +569,15 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   });
 }
 
-std::uint64_t Isosurface::leaf(const SurfaceHit& hit) const noexcept
+CellId Isosurface::cell(const SurfaceHit& hit) const noexcept
 {
-  return impl_->blocks.leaf(hit.block, hit.octant);
+  const SurfaceBlock& block = impl_->blocks.all()[hit.block];
+  CellId cell{ {}, block.depth() + 1 - impl_->blocks.field().octree().grid().paddingDepth() };
+  for (int a = 0; a < 3; ++a)
+  {
+    cell.index[a] = 2 * block.index(a) + (hit.octant >> (2 * a + 1) & 1);
+  }
+  return cell;
 }
 
 double Isosurface::leafWidth(const SurfaceHit& hit) const noexcept

@@ -19,7 +19,7 @@ struct SurfaceHit
   double t;
   Vec3 gradient;         // of the field, d value / d data coordinate
   std::uint32_t surface; // which of Isosurface::isovalues()
-  std::uint32_t block;   // where Isosurface::leaf() finds the cell
+  std::uint32_t block;   // where Isosurface::cell() finds the cell
   std::uint8_t octant;
 };
 
@@ -54,8 +54,8 @@ public:
   static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
 
   /// Finds the nodes with octants that the surfaces of the isovalues pass through and builds Embree's hierarchy
-  /// over them. Vertex values are kept within keptBytes, and computed where rays come when not all fit. The field needs its node ranges.
-  /// Throws Error without isovalues, for one that is not finite, or when Embree fails.
+  /// over them. Vertex values are kept within keptBytes, and computed where rays come when not all fit. The field
+  /// needs its node ranges. Throws Error without isovalues, for one that is not finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
     std::size_t keptBytes = defaultKeptBytes);
   ~Isosurface();
@@ -78,8 +78,8 @@ public:
   /// Hits between the camera's near and far planes.
   void render(const Camera& camera, SurfaceLayers layers, HitImage& image) const;
 
-  /// Index of the leaf that a hit lies in.
-  std::uint64_t leaf(const SurfaceHit& hit) const noexcept;
+  /// Its place.
+  CellId cell(const SurfaceHit& hit) const noexcept;
   /// Width of that leaf along its shortest axis, in data coordinates.
   double leafWidth(const SurfaceHit& hit) const noexcept;
 

@@ -245,17 +245,6 @@ void SurfaceBlocks::findPath(const SurfaceBlock& block, BlockPath& path) const n
   }
 }
 
-std::uint64_t SurfaceBlocks::leaf(std::uint32_t block, int octant) const noexcept
-{
-  if (blocks_[block].depth() < 0)
-  {
-    return field_->octree().root().index();
-  }
-  BlockPath path;
-  findPath(blocks_[block], path);
-  return field_->octree().children(path.node[path.depth]).leafIndex(childOf(octant));
-}
-
 std::uint64_t SurfaceBlocks::activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept
 {
   std::uint64_t octants = 0;

@@ -83,8 +83,6 @@ public:
     const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
     return number != 0 ? pool_.chunkOf(number).records[number % Chunk::size] : compute(blocks_[block]);
   }
-  /// The leaf that an octant of a block is part of.
-  std::uint64_t leaf(std::uint32_t block, int octant) const noexcept;
 
   /// Call when no thread asks for records, before a frame. When the budget is used up and most of the records of
   /// the last frame were not kept, forgets all, so that a new view gets its share.

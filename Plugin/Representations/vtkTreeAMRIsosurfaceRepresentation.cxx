@@ -52,6 +52,7 @@ bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
 void vtkTreeAMRIsosurfaceRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
 {
   this->Mapper->SetInputConnection(grid);
+  this->Mapper->SetCompositeIndex(this->GridFlatIndex);
   const char* contoured = this->IsosurfaceArray.empty() ? nullptr : this->IsosurfaceArray.c_str();
   // Without a name the mapper takes the first array.
   this->Mapper->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, contoured);

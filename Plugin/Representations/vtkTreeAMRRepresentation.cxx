@@ -21,10 +21,16 @@
 namespace
 {
 
-/// The grids of an input that may be composite.
-std::vector<vtkHyperTreeGrid*> findGrids(vtkDataObject* input)
+struct Block
 {
-  std::vector<vtkHyperTreeGrid*> grids;
+  vtkHyperTreeGrid* Grid;
+  unsigned int FlatIndex;
+};
+
+/// The grids of an input that may be composite.
+std::vector<Block> findGrids(vtkDataObject* input)
+{
+  std::vector<Block> grids;
   if (auto composite = vtkCompositeDataSet::SafeDownCast(input))
   {
     auto iterator = vtk::TakeSmartPointer(composite->NewIterator());
@@ -32,13 +38,13 @@ std::vector<vtkHyperTreeGrid*> findGrids(vtkDataObject* input)
     {
       if (auto grid = vtkHyperTreeGrid::SafeDownCast(iterator->GetCurrentDataObject()))
       {
-        grids.push_back(grid);
+        grids.push_back({ grid, iterator->GetCurrentFlatIndex() });
       }
     }
   }
   else if (auto grid = vtkHyperTreeGrid::SafeDownCast(input))
   {
-    grids.push_back(grid);
+    grids.push_back({ grid, 1 });
   }
   return grids;
 }
@@ -96,10 +102,11 @@ int vtkTreeAMRRepresentation::RequestData(
   if (inputVector[0]->GetNumberOfInformationObjects() == 1)
   {
     vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
-    const std::vector<vtkHyperTreeGrid*> grids = findGrids(input);
+    const std::vector<Block> grids = findGrids(input);
     if (grids.size() == 1)
     {
-      this->Grid->ShallowCopy(grids[0]);
+      this->Grid->ShallowCopy(grids[0].Grid);
+      this->GridFlatIndex = grids[0].FlatIndex;
       try
       {
         treeamr::computeLocalBounds(this->Grid, this->LocalBounds);

@@ -59,6 +59,8 @@ protected:
 
   /// A shallow copy of this rank's grid; without trees where this rank has none.
   vtkSmartPointer<vtkHyperTreeGrid> Grid;
+  /// Of its block in a composite input.
+  unsigned int GridFlatIndex = 1;
 
 private:
   vtkTreeAMRRepresentation(const vtkTreeAMRRepresentation&) = delete;

@@ -1,4 +1,4 @@
-"""Drafts and still frames that a server renders, on one rank or more, for a client.
+"""Drafts, still frames and selections that a server renders, on one rank or more, for a client.
 
 TestServer.py <client command>... -- <server command>...
 """
@@ -26,7 +26,7 @@ def serve(client, server):
 
 def use(port):
     import numpy
-    from paraview import simple
+    from paraview import servermanager, simple
 
     import scene
 
@@ -55,6 +55,26 @@ def use(port):
     representation.AutoAdjustSampleDistances = 0
     view.SMProxy.InteractiveRender()
     assert (scene.shown(view.GetRenderWindow()) == still).all()
+
+    representation.SetRepresentationType("Tree AMR Isosurface")
+    simple.Render(view)
+    surface = scene.drawn(scene.shown(view.GetRenderWindow()))
+    assert surface.mean() > 0.1
+    simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=view)
+    selection = servermanager._getPyProxy(source.GetSelectionInput(0))
+    selected = selection.Input[0].IDs
+    processes, cells = selected[::2], selected[1::2]
+    print("cells selected:", len(cells), "of processes", set(processes))
+    assert set(processes) == set(range(servermanager.ActiveConnection.GetNumberOfDataPartitions()))
+    assert len(set(zip(processes, cells))) == len(cells) > 1000
+    # They are where the surface is seen.
+    marked = simple.ExtractSelection(Input=source, Selection=selection, PreserveTopology=1)
+    threshold = simple.Threshold(
+        Input=marked, Scalars=["CELLS", "vtkInsidedness"], LowerThreshold=1, UpperThreshold=1)
+    simple.Hide(source, view)
+    simple.Show(threshold, view).SetRepresentationType("Surface")
+    simple.Render(view)
+    assert scene.drawn(scene.shown(view.GetRenderWindow()))[surface].all()
 
 
 if sys.argv[1] == "--client":

@@ -10,6 +10,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkHyperTreeGridNonOrientedGeometryCursor.h"
 #include "vtkIntArray.h"
 #include "vtkMath.h"
 #include "vtkNew.h"
@@ -71,6 +72,29 @@ void expectError(
   EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 
+/// Compares the global indices of a vertex and of those below it, and returns their number.
+int expectSameIndices(vtkHyperTreeGrid* grid, vtkHyperTreeGridNonOrientedGeometryCursor* cursor,
+  const RootGrid& rootGrid, const CellId& cell)
+{
+  const Bounds bounds = rootGrid.nodeBounds(cell.index, rootGrid.paddingDepth() + cell.level);
+  for (int a = 0; a < 3; ++a)
+  {
+    EXPECT_EQ(bounds.min[a], cursor->GetOrigin()[a]);
+  }
+  EXPECT_EQ(globalIndex(*grid, cell), cursor->GetGlobalNodeIndex());
+  int compared = 1;
+  for (int child = 0; !cursor->IsMasked() && !cursor->IsLeaf() && child < 8; ++child)
+  {
+    cursor->ToChild(static_cast<unsigned char>(child));
+    const CellId below{ { 2 * cell.index[0] + (child & 1), 2 * cell.index[1] + (child >> 1 & 1),
+                          2 * cell.index[2] + (child >> 2) },
+      cell.level + 1 };
+    compared += expectSameIndices(grid, cursor, rootGrid, below);
+    cursor->ToParent();
+  }
+  return compared;
+}
+
 vtkDoubleArray* scalarOf(vtkHyperTreeGrid* grid)
 {
   return vtkDoubleArray::SafeDownCast(grid->GetCellData()->GetArray("scalar"));
@@ -109,6 +133,45 @@ TEST_P(ConvertedGrid, HasTheLeavesThatCursorsFind)
     leaves += expectSameLeaves(grid, "count", 0);
   }
   EXPECT_GT(leaves, 250u);
+}
+
+TEST_P(ConvertedGrid, KnowsTheGlobalIndicesOfCells)
+{
+  RandomHyperTreeGrid options = GetParam().options;
+  int compared = 0;
+  for (options.seed = 1; options.seed <= 6; ++options.seed)
+  {
+    const auto grid = makeGrid(options);
+    const RootGrid rootGrid = acquireField(grid, { "scalar" }, false)->octree().grid();
+    vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
+    grid->InitializeTreeIterator(iterator);
+    vtkNew<vtkHyperTreeGridNonOrientedGeometryCursor> cursor;
+    vtkIdType id = 0;
+    while (iterator.GetNextTree(id))
+    {
+      grid->InitializeNonOrientedGeometryCursor(cursor, id);
+      CellId root;
+      for (int a = 0; a < 3; ++a)
+      {
+        while (rootGrid.worldPlane(a, root.index[a], 0) < cursor->GetOrigin()[a])
+        {
+          ++root.index[a];
+        }
+      }
+      compared += expectSameIndices(grid, cursor, rootGrid, root);
+    }
+  }
+  EXPECT_GT(compared, 50);
+}
+
+TEST(Converter, RefusesCellsThatTheGridHasNot)
+{
+  const auto grid = makeUniformlyRefinedGrid(1);
+  EXPECT_EQ(globalIndex(*grid, { { 1, 0, 1 }, 1 }), 6);
+  for (const CellId& cell : { CellId{ { 2, 0, 0 }, 1 }, CellId{ { 0, -1, 0 }, 0 }, CellId{ { 0, 0, 1 }, 2 } })
+  {
+    EXPECT_THROW(globalIndex(*grid, cell), Error);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, ConvertedGrid,
