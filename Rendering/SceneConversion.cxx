@@ -52,11 +52,6 @@ public:
     , color_(gray_ ? nullptr : property->GetRGBTransferFunction(0))
     , unitDistance_(property->GetScalarOpacityUnitDistance(0))
   {
-    if (!(unitDistance_ > 0.) || !std::isfinite(unitDistance_))
-    {
-      throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance_) +
-        ", allowed are positive lengths");
-    }
   }
 
   /// Hull of the nodes of all functions: outside of it each is constant.
@@ -202,6 +197,12 @@ Material convertMaterial(vtkProperty* property)
 
 TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange)
 {
+  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
+  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
+  {
+    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
+      ", allowed are positive lengths");
+  }
   const PropertyFunctions functions(property);
   Interval part = functions.nodeRange();
   if (!(part.min < part.max))

@@ -15,7 +15,7 @@ constexpr std::size_t pixelsPerTask = 4096;
 
 Vec3 normalized(const Vec3& v, const Vec3& otherwise)
 {
-  const double length = std::hypot(v[0], v[1], v[2]);
+  const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   return length > 0. ? Vec3{ v[0] / length, v[1] / length, v[2] / length } : otherwise;
 }
 

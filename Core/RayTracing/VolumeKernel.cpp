@@ -158,7 +158,7 @@ private:
     return static_cast<float>((data - scene_.reference[axis]) * scene_.dataScale);
   }
 
-  void walk(GroupMask active)
+  HWY_NOINLINE void walk(GroupMask active)
   {
     const NodeRef root = octree_.root();
     Range range = scene_.field.range();
