@@ -52,11 +52,6 @@ public:
     , color_(gray_ ? nullptr : property->GetRGBTransferFunction(0))
     , unitDistance_(property->GetScalarOpacityUnitDistance(0))
   {
-    if (!(unitDistance_ > 0.) || !std::isfinite(unitDistance_))
-    {
-      throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance_) +
-        ", allowed are positive lengths");
-    }
   }
 
   /// Hull of the nodes of all functions: outside of it each is constant.
@@ -77,7 +72,7 @@ public:
     return hull;
   }
 
-  TransferFunction::Entry at(double value) const
+  Vec3 color(double value) const
   {
     double rgb[3];
     if (gray_)
@@ -88,8 +83,16 @@ public:
     {
       color_->GetColor(value, rgb);
     }
+    return { rgb[0], rgb[1], rgb[2] };
+  }
+
+  double opacity(double value) const { return opacity_->GetValue(value); }
+
+  TransferFunction::Entry at(double value) const
+  {
+    const Vec3 rgb = color(value);
     return { static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]),
-      TransferFunction::extinctionFromOpacity(opacity_->GetValue(value), unitDistance_) };
+      TransferFunction::extinctionFromOpacity(opacity(value), unitDistance_) };
   }
 
 private:
@@ -194,6 +197,12 @@ Material convertMaterial(vtkProperty* property)
 
 TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange)
 {
+  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
+  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
+  {
+    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
+      ", allowed are positive lengths");
+  }
   const PropertyFunctions functions(property);
   Interval part = functions.nodeRange();
   if (!(part.min < part.max))
@@ -229,6 +238,29 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
     entries[i] = functions.at(value);
   }
   return TransferFunction(part.min - beyond * step, part.max + beyond * step, std::move(entries));
+}
+
+std::vector<SurfaceMaterial> convertSurfaceMaterials(
+  vtkVolumeProperty* property, const std::vector<double>& isovalues, double opacityScale)
+{
+  const PropertyFunctions functions(property);
+  const bool shaded = property->GetShade(0) != 0;
+  std::vector<SurfaceMaterial> materials;
+  for (const double isovalue : isovalues)
+  {
+    const Vec3 color = functions.color(isovalue);
+    SurfaceMaterial surface;
+    surface.material.ambient = scaledColor(color.data(), shaded ? property->GetAmbient(0) : 1.);
+    if (shaded)
+    {
+      surface.material.diffuse = scaledColor(color.data(), property->GetDiffuse(0));
+      surface.material.specular.fill(static_cast<float>(property->GetSpecular(0)));
+      surface.material.specularPower = static_cast<float>(property->GetSpecularPower(0));
+    }
+    surface.opacity = static_cast<float>(std::clamp(functions.opacity(isovalue) * opacityScale, 0., 1.));
+    materials.push_back(surface);
+  }
+  return materials;
 }
 
 } // namespace treeamr

@@ -5,6 +5,7 @@
 #include "RayTracing/Camera.h"
 #include "RayTracing/Shading.h"
 #include "RayTracing/TransferFunction.h"
+#include "VolumeSurfaces.h"
 
 #include <vector>
 
@@ -31,5 +32,11 @@ Material convertMaterial(vtkProperty* property);
 /// spent on the part of it that the functions distinguish. Throws Error for a unit distance that is not
 /// positive.
 TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange);
+
+/// How VTK's own volume mapper shows the surfaces of isovalues: the functions at the isovalue give colour and
+/// opacity, whatever the unit distance; without shading the colour is all there is. Opacities are multiplied by
+/// opacityScale, up to 1.
+std::vector<SurfaceMaterial> convertSurfaceMaterials(
+  vtkVolumeProperty* property, const std::vector<double>& isovalues, double opacityScale);
 
 } // namespace treeamr

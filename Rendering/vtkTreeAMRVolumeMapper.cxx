@@ -2,6 +2,7 @@
 
 #include "MapperInput.h"
 #include "SceneConversion.h"
+#include "VolumeSurfaces.h"
 #include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRFramebuffer.h"
 
@@ -10,6 +11,7 @@
 #include "RayTracing/VolumeRenderer.h"
 
 #include "vtkCommand.h"
+#include "vtkContourValues.h"
 #include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
 #include "vtkHyperTreeGrid.h"
@@ -107,12 +109,14 @@ struct vtkTreeAMRVolumeMapper::Internals
   double FieldSeconds = 0.;
   std::unique_ptr<treeamr::VertexCache> Kept; // of this field, of this size in MiB
   int KeptSize = 0;
-  // Of this property at this time, for this field.
+  // Of this property at this time, for this field. Without a property: transparent.
   std::optional<treeamr::TransferFunction> TransferFunction;
   vtkVolumeProperty* Property = nullptr; // not dereferenced
   vtkMTimeType PropertyTime = 0;
   vtkTimeStamp TransferFunctionTime;
   double TransferFunctionSeconds = 0.;
+  treeamr::VolumeSurfaces Surfaces;
+  vtkTimeStamp SurfaceTime;
 
   Frame CurrentFrame;
   // Of this field with this transfer function.
@@ -144,6 +148,8 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << endl;
   os << indent << "InteractiveRenderTime: " << this->InteractiveRenderTime << endl;
   os << indent << "LevelOfDetail: " << this->LevelOfDetail << endl;
+  os << indent << "ShowIsosurfaces: " << this->ShowIsosurfaces << endl;
+  os << indent << "IsosurfaceOpacityScale: " << this->IsosurfaceOpacityScale << endl;
   os << indent << "Statistics:" << endl;
   vtkTable* statistics = this->GetStatistics();
   for (vtkIdType i = 0; i < statistics->GetNumberOfColumns(); ++i)
@@ -203,6 +209,11 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   addColumn(table, "ReconstructedCells", frame.Counts.cells);
   addColumn(table, "Intervals", frame.Counts.intervals);
   addColumn(table, "Samples", frame.Counts.samples);
+  const treeamr::Isosurface* surfaces = internals.Surfaces.engine();
+  const treeamr::IsosurfaceStatistics ofSurfaces =
+    surfaces ? surfaces->statistics() : treeamr::IsosurfaceStatistics();
+  addColumn(table, "SurfaceBytes", ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes);
+  addColumn(table, "SurfaceHits", internals.Surfaces.hits().image.hits.size());
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
   addColumn(table, "FieldSeconds", internals.FieldSeconds);
@@ -225,18 +236,26 @@ vtkMTimeType vtkTreeAMRVolumeMapper::GetTransferFunctionBuildTime()
 }
 
 //------------------------------------------------------------------------------
+vtkMTimeType vtkTreeAMRVolumeMapper::GetIsosurfaceBuildTime()
+{
+  return this->Private->SurfaceTime.GetMTime();
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::CheckSettings()
 {
-  if (this->BlendMode != vtkVolumeMapper::COMPOSITE_BLEND)
+  if (this->BlendMode != vtkVolumeMapper::COMPOSITE_BLEND &&
+    this->BlendMode != vtkVolumeMapper::ISOSURFACE_BLEND)
   {
-    throw treeamr::Error(
-      "volume mapper: blend mode " + std::to_string(this->BlendMode) + ", allowed is 0 (composite)");
+    throw treeamr::Error("volume mapper: blend mode " + std::to_string(this->BlendMode) +
+      ", allowed are 0 (composite) and 5 (isosurface)");
   }
   for (const auto& [name, value] : { std::pair("image sample distance", this->ImageSampleDistance),
          std::pair("minimum image sample distance", this->MinimumImageSampleDistance),
          std::pair("maximum image sample distance", this->MaximumImageSampleDistance),
          std::pair("interactive render time", this->InteractiveRenderTime),
-         std::pair("level of detail", this->LevelOfDetail) })
+         std::pair("level of detail", this->LevelOfDetail),
+         std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale) })
   {
     if (std::isnan(value)) // passes VTK's clamping
     {
@@ -280,15 +299,22 @@ void vtkTreeAMRVolumeMapper::UpdateField()
 }
 
 //------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::ShowsVolume() const
+{
+  return this->BlendMode == vtkVolumeMapper::COMPOSITE_BLEND;
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::UpdateVertexCache()
 {
   Internals& internals = *this->Private;
-  if (!internals.Kept || internals.KeptSize != this->VertexCacheSize)
+  const int size = this->ShowsVolume() ? this->VertexCacheSize : 0;
+  if (!internals.Kept || internals.KeptSize != size)
   {
     internals.Kept.reset(); // before the new one is allocated
-    internals.Kept = std::make_unique<treeamr::VertexCache>(
-      internals.Field->octree(), static_cast<std::size_t>(this->VertexCacheSize) << 20);
-    internals.KeptSize = this->VertexCacheSize;
+    internals.Kept =
+      std::make_unique<treeamr::VertexCache>(internals.Field->octree(), static_cast<std::size_t>(size) << 20);
+    internals.KeptSize = size;
   }
 }
 
@@ -296,19 +322,40 @@ void vtkTreeAMRVolumeMapper::UpdateVertexCache()
 void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
 {
   Internals& internals = *this->Private;
-  vtkVolumeProperty* property = volume->GetProperty();
+  vtkVolumeProperty* property = this->ShowsVolume() ? volume->GetProperty() : nullptr;
   if (!internals.TransferFunction || internals.Property != property ||
-    internals.PropertyTime != property->GetMTime())
+    internals.PropertyTime != (property ? property->GetMTime() : 0))
   {
     internals.TransferFunction.reset();
     internals.SampleDistances.clear();
     internals.TransferFunctionSeconds = 0.;
     const Stopwatch stopwatch(internals.TransferFunctionSeconds);
-    internals.TransferFunction = treeamr::convertTransferFunction(property, internals.Field->range());
+    internals.TransferFunction = property
+      ? treeamr::convertTransferFunction(property, internals.Field->range())
+      : treeamr::TransferFunction(0., 1., { {}, {} });
     internals.Property = property;
     // Asking for functions that were never set has made them.
-    internals.PropertyTime = property->GetMTime();
+    internals.PropertyTime = property ? property->GetMTime() : 0;
     internals.TransferFunctionTime.Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkVolume* volume)
+{
+  Internals& internals = *this->Private;
+  vtkContourValues* contours = volume->GetProperty()->GetIsoSurfaceValues();
+  const int count = contours->GetNumberOfContours();
+  if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces))
+  {
+    internals.Surfaces.release();
+    return;
+  }
+  const double* isovalues = contours->GetValues();
+  if (internals.Surfaces.build(internals.Field, std::vector<double>(isovalues, isovalues + count)))
+  {
+    internals.SurfaceTime.Modified();
+    internals.SampleDistances.clear();
   }
 }
 
@@ -353,10 +400,12 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   this->UpdateField();
   this->UpdateVertexCache();
   this->UpdateTransferFunction(volume);
+  this->UpdateIsosurfaces(volume);
   const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
   const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
   const treeamr::Matrix4 worldFromData = treeamr::worldFromData(volume);
 
+  std::optional<treeamr::TranslucentHits> surfaces;
   const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
     const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
     vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
@@ -373,12 +422,20 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
       const Stopwatch stopwatch(frame.RayCastingSeconds);
       treeamr::VolumeSettings settings;
       settings.samplesPerCell = this->SamplesPerCell;
-      settings.skipEmpty = this->SkipEmptySpace;
+      settings.skipEmpty = this->SkipEmptySpace || !this->ShowsVolume();
       settings.levelOfDetailPixels = frame.LevelOfDetail;
+      if (internals.Surfaces.engine() && !surfaces) // the same for the other part of the rays
+      {
+        internals.Surfaces.trace(clipFromData, worldFromData, reduction.width(), reduction.height());
+        internals.Surfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
+                                   internals.Surfaces.engine()->isovalues(), this->IsosurfaceOpacityScale),
+          treeamr::convertLights(renderer));
+        surfaces.emplace(internals.Surfaces.hits());
+      }
       frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction,
         treeamr::Camera(clipFromData, worldFromData, reduction.width(), reduction.height()),
         { rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data() },
-        settings, *internals.Kept, result.Image);
+        settings, *internals.Kept, result.Image, surfaces ? &*surfaces : nullptr);
     }
     return result;
   };

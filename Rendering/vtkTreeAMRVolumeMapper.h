@@ -8,10 +8,15 @@
  * the array from SelectScalarArray() and ScalarMode. Without a selection it is the active scalars or, when
  * there are none, the first cell array.
  *
- * Composite blending only. Opaque geometry in front, inside and behind is honoured through the depth buffer,
- * translucent polygons through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Shading, gradient
- * opacity, cropping and clipping planes are not implemented; cropping and clipping warn. Volumes do not take
- * part in hardware selection.
+ * Composite blending, or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
+ * default is one, 0) alone, each coloured and as opaque as the functions are at its value, whatever the unit
+ * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the volume,
+ * in one pass and in their order.
+ *
+ * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons through
+ * dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. Shading of the volume
+ * itself, gradient opacity, cropping and clipping planes are not implemented; cropping and clipping warn. Volumes
+ * do not take part in hardware selection.
  *
  * What is unchanged is not made again: a camera costs one frame, a colour map a table of 4096 entries, an
  * array its conversion. While the render window asks for one frame a second or more (vtkRenderWindow::
@@ -119,6 +124,19 @@ public:
   vtkGetMacro(LevelOfDetail, double);
   ///@}
 
+  ///@{
+  /// Whether composite blending shows the property's isosurfaces, too. Default off.
+  vtkSetMacro(ShowIsosurfaces, bool);
+  vtkGetMacro(ShowIsosurfaces, bool);
+  vtkBooleanMacro(ShowIsosurfaces, bool);
+  ///@}
+  ///@{
+  /// Factor of the isosurfaces' opacities, which end at 1: a function that suits a volume may leave surfaces
+  /// faint. Default 1.
+  vtkSetClampMacro(IsosurfaceOpacityScale, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(IsosurfaceOpacityScale, double);
+  ///@}
+
   /// What there is, and what the last frame did: one row with these columns. Counts and bytes are 64-bit
   /// integers, the rest doubles; all are 0 before the first Render().
   ///   Cells, OctreeBytes: of the field in use; octree, values, means and ranges
@@ -127,6 +145,7 @@ public:
   ///   KeptBlocks, ReconstructedBlocks, ReconstructedCells: blocks of cells whose vertex values were found kept
   ///     or computed, and cells in the latter
   ///   Intervals, Samples: groups of rays taken through a cell or block, samples along rays
+  ///   SurfaceBytes, SurfaceHits: of the isosurfaces in use, and of rays with them
   ///   ImageSampleDistance: pixels between rays
   ///   LevelOfDetail: pixels, 0 when it was off
   ///   FieldSeconds: the conversion to the field in use, when it was made (next to none when another mapper
@@ -141,6 +160,8 @@ public:
   vtkMTimeType GetFieldBuildTime();
   vtkMTimeType GetTransferFunctionBuildTime();
   ///@}
+  /// Modification time of the isosurfaces in use; 0 before the first.
+  vtkMTimeType GetIsosurfaceBuildTime();
 
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
@@ -166,14 +187,18 @@ protected:
   double MaximumImageSampleDistance = 10.;
   double InteractiveRenderTime = 0.;
   double LevelOfDetail = 2.;
+  bool ShowIsosurfaces = false;
+  double IsosurfaceOpacityScale = 1.;
 
 private:
   struct Internals;
 
   void CheckSettings();
+  bool ShowsVolume() const;
   void UpdateField();
   void UpdateVertexCache();
   void UpdateTransferFunction(vtkVolume* volume);
+  void UpdateIsosurfaces(vtkVolume* volume);
   void StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels);
   void RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
   void Report(const char* message, vtkVolume* volume);

@@ -56,21 +56,65 @@ public:
 
   void render(int x0, int y0)
   {
+    walk(makeRays(x0, y0));
+    finish(x0, y0);
+  }
+
+  /// With surfaces: up to each ray's first hit, across it, on to the ray's next, for all rays at once.
+  void renderLayers(int x0, int y0, const TranslucentHits& surfaces)
+  {
     GroupMask active = makeRays(x0, y0);
-    const NodeRef root = octree_.root();
-    Range range = scene_.field.range();
-    if (active != 0 && !root.isNone() && isVisible(root, range))
+    float end[tileRays];
+    std::size_t next[tileRays]; // hits to come
+    std::size_t last[tileRays]; // and their end
+    for (int r = 0; r < tileRays; ++r)
     {
-      path_.depth = 0;
-      index_ = {};
-      const Bounds bounds = grid_.nodeBounds(index_, 0);
-      Box box;
-      for (int a = 0; a < 3; ++a)
+      end[r] = end_[r];
+      next[r] = last[r] = 0;
+      const int x = x0 + xInTile(r);
+      const int y = y0 + yInTile(r);
+      if (x < scene_.image.width && y < scene_.image.height)
       {
-        box.min[a] = toKernel(a, bounds.min[a]);
-        box.max[a] = toKernel(a, bounds.max[a]);
+        const std::size_t pixel = static_cast<std::size_t>(y) * scene_.image.width + x;
+        next[r] = surfaces.image.first[pixel];
+        last[r] = surfaces.image.first[pixel + 1];
       }
-      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
+      while (next[r] != last[r] && hitT(r, surfaces.image.hits[next[r]]) < begin_[r])
+      {
+        ++next[r];
+      }
+      while (next[r] != last[r] && !(hitT(r, surfaces.image.hits[last[r] - 1]) < end[r]))
+      {
+        --last[r];
+      }
+      end_[r] = next[r] != last[r] ? hitT(r, surfaces.image.hits[next[r]]) : end[r];
+    }
+    while (active != 0)
+    {
+      walk(active);
+      active = 0;
+      for (int r = 0; r < tileRays; ++r)
+      {
+        const bool hits = next[r] != last[r] && !(transmittance_[r] < opaqueTransmittance);
+        if (hits)
+        {
+          const std::array<float, 4>& rgba = surfaces.rgba[next[r]];
+          const float weight = transmittance_[r] * rgba[3];
+          red_[r] += weight * rgba[0];
+          green_[r] += weight * rgba[1];
+          blue_[r] += weight * rgba[2];
+          transmittance_[r] -= weight;
+          begin_[r] = end_[r];
+          ++next[r];
+        }
+        if (!hits || transmittance_[r] < opaqueTransmittance)
+        {
+          end_[r] = finished;
+          continue;
+        }
+        end_[r] = next[r] != last[r] ? hitT(r, surfaces.image.hits[next[r]]) : end[r];
+        active |= GroupMask(1) << r / groupRays;
+      }
     }
     finish(x0, y0);
   }
@@ -112,6 +156,25 @@ private:
   float toKernel(int axis, double data) const noexcept
   {
     return static_cast<float>((data - scene_.reference[axis]) * scene_.dataScale);
+  }
+
+  HWY_NOINLINE void walk(GroupMask active)
+  {
+    const NodeRef root = octree_.root();
+    Range range = scene_.field.range();
+    if (active != 0 && !root.isNone() && isVisible(root, range))
+    {
+      path_.depth = 0;
+      index_ = {};
+      const Bounds bounds = grid_.nodeBounds(index_, 0);
+      Box box;
+      for (int a = 0; a < 3; ++a)
+      {
+        box.min[a] = toKernel(a, bounds.min[a]);
+        box.max[a] = toKernel(a, bounds.max[a]);
+      }
+      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
+    }
   }
 
   GroupMask makeRays(int x0, int y0)
@@ -242,6 +305,12 @@ private:
   float tToKernel(double t) const noexcept
   {
     return static_cast<float>((t - scene_.tReference) * scene_.scale);
+  }
+
+  /// Where the ray's begin_ and end_ count.
+  float hitT(int r, const SurfaceHit& hit) const noexcept
+  {
+    return CommonOrigin ? static_cast<float>(hit.t * scene_.scale / lengthPerT_[r]) : tToKernel(hit.t);
   }
 
   void finish(int x0, int y0) noexcept
@@ -721,7 +790,9 @@ VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBe
   Tile<CommonOrigin> tile(scene);
   for (int column = columnBegin; column < columnEnd; ++column)
   {
-    tile.render(column * volumeTileWidth, row * volumeTileWidth);
+    const int x = column * volumeTileWidth;
+    const int y = row * volumeTileWidth;
+    scene.surfaces ? tile.renderLayers(x, y, *scene.surfaces) : tile.render(x, y);
   }
   return tile.statistics();
 }

@@ -48,6 +48,7 @@ struct VolumeKernelScene
   const VolumeSettings& settings;
   VertexCache& kept;
   Image& image;
+  const TranslucentHits* surfaces; // null: none
 
   SceneFeatures features;
   Vec3 reference;    // data coordinates; the eye when all rays start there

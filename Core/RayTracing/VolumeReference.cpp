@@ -33,6 +33,9 @@ struct TileRay
   double end;
   double transmittance; // double: many samples must not drift
   std::array<double, 3> color;
+  std::size_t nextHit;
+  std::size_t endOfHits;
+  double last; // t where the ray ends, `end` being where it meets the next hit
 };
 
 /// The field inside a leaf from its 27 vertex values.
@@ -76,11 +79,12 @@ class TileRenderer
 {
 public:
   TileRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const VolumeSettings& settings)
+    const VolumeSettings& settings, const TranslucentHits* surfaces)
     : field_(field)
     , transferFunction_(transferFunction)
     , camera_(camera)
     , settings_(settings)
+    , surfaces_(surfaces)
     , path_(field.octree())
   {
   }
@@ -99,21 +103,29 @@ public:
         const double begin = interval.begin ? interval.begin[pixel] : 0.;
         const double end = interval.end ? interval.end[pixel] : 1.;
         const Ray ray = camera_.ray(x, y);
-        TileRay tileRay{ SlabRay(ray), 0., 0., 1., {} };
+        TileRay tileRay{ SlabRay(ray), 0., 0., 1., {}, 0, 0, 0. };
         if (begin < end)
         {
           tileRay.begin = camera_.tFromDepth(ray, begin);
           tileRay.end = camera_.tFromDepth(ray, end);
+          if (surfaces_)
+          {
+            findHits(tileRay, pixel);
+          }
           active |= RayMask(1) << rays_.size();
         }
         rays_.push_back(tileRay);
       }
     }
     direction_ = rays_.front().slab.direction;
-    path_.reset();
-    if (!path_.node().isNone())
+    while (active != 0)
     {
-      visit(active, field_.range());
+      path_.reset();
+      if (!path_.node().isNone())
+      {
+        visit(active, field_.range());
+      }
+      active = surfaces_ ? crossSurfaces() : 0;
     }
     for (int y = y0, r = 0; y < y1; ++y)
     {
@@ -130,6 +142,55 @@ public:
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
+  void findHits(TileRay& ray, std::size_t pixel) const noexcept
+  {
+    const std::vector<SurfaceHit>& hits = surfaces_->image.hits;
+    ray.last = ray.end;
+    ray.nextHit = surfaces_->image.first[pixel];
+    ray.endOfHits = surfaces_->image.first[pixel + 1];
+    while (ray.nextHit != ray.endOfHits && hits[ray.nextHit].t < ray.begin)
+    {
+      ++ray.nextHit;
+    }
+    while (ray.nextHit != ray.endOfHits && !(hits[ray.endOfHits - 1].t < ray.end))
+    {
+      --ray.endOfHits;
+    }
+    ray.end = endOfLayer(ray);
+  }
+
+  double endOfLayer(const TileRay& ray) const noexcept
+  {
+    return ray.nextHit != ray.endOfHits ? surfaces_->image.hits[ray.nextHit].t : ray.last;
+  }
+
+  /// Takes each ray across the hit it has come to; those that go on behind it.
+  RayMask crossSurfaces() noexcept
+  {
+    RayMask active = 0;
+    for (std::size_t r = 0; r < rays_.size(); ++r)
+    {
+      TileRay& ray = rays_[r];
+      if (ray.nextHit == ray.endOfHits || !(ray.transmittance > opaqueTransmittance))
+      {
+        ray.nextHit = ray.endOfHits;
+        continue;
+      }
+      const std::array<float, 4>& rgba = surfaces_->rgba[ray.nextHit];
+      const double weight = ray.transmittance * rgba[3];
+      for (int c = 0; c < 3; ++c)
+      {
+        ray.color[c] += weight * rgba[c];
+      }
+      ray.transmittance -= weight;
+      ray.begin = ray.end;
+      ++ray.nextHit;
+      ray.end = endOfLayer(ray);
+      active |= RayMask(1) << r;
+    }
+    return active;
+  }
+
   /// parent: the parent's range, of use when empty nodes are skipped.
   void visit(RayMask active, Range parent) noexcept
   {
@@ -257,6 +318,7 @@ private:
   const TransferFunction& transferFunction_;
   const Camera& camera_;
   const VolumeSettings& settings_;
+  const TranslucentHits* surfaces_; // null: none
   TreePath path_;
   VertexMemo memo_;
   std::vector<TileRay> rays_;
@@ -268,13 +330,14 @@ private:
 } // namespace
 
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image)
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
+  const TranslucentHits* surfaces)
 {
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + tileWidth - 1) / tileWidth;
   const int columns = (image.width + tileWidth - 1) / tileWidth;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 8), [&](const auto& tiles) {
-    TileRenderer renderer(field, transferFunction, camera, settings);
+    TileRenderer renderer(field, transferFunction, camera, settings, surfaces);
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
       for (int column = tiles.cols().begin(); column < tiles.cols().end(); ++column)

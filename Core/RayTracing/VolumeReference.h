@@ -9,6 +9,7 @@ namespace treeamr
 
 /// Like renderVolume(), for arguments that it has checked.
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image);
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
+  const TranslucentHits* surfaces = nullptr);
 
 } // namespace treeamr

@@ -20,7 +20,8 @@ namespace treeamr
 namespace
 {
 
-void check(const Field& field, const Camera& camera, const VolumeSettings& settings, const Image& image)
+void check(const Field& field, const Camera& camera, const VolumeSettings& settings, const Image& image,
+  const TranslucentHits* surfaces = nullptr)
 {
   if (image.width != camera.width() || image.height != camera.height())
   {
@@ -36,6 +37,17 @@ void check(const Field& field, const Camera& camera, const VolumeSettings& setti
   if (settings.skipEmpty && !field.hasNodeRanges())
   {
     throw Error("volume: the field has no node ranges to skip by");
+  }
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
+  if (surfaces && surfaces->image.first.size() != pixels + 1)
+  {
+    throw Error("volume: surface hits in " + std::to_string(surfaces->image.first.size()) +
+      " entries by pixel, needed are " + std::to_string(pixels + 1));
+  }
+  if (surfaces && surfaces->rgba.size() != surfaces->image.hits.size())
+  {
+    throw Error("volume: " + std::to_string(surfaces->rgba.size()) + " colours for " +
+      std::to_string(surfaces->image.hits.size()) + " surface hits");
   }
 }
 
@@ -171,10 +183,10 @@ void fillTable(VolumeKernelScene& scene)
 
 VolumeKernelScene makeScene(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
-  Image& image)
+  Image& image, const TranslucentHits* surfaces = nullptr)
 {
-  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, {}, {}, {}, 0.,
-    1., 1., {}, {}, 0., 0. };
+  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, surfaces, {}, {},
+    {}, 0., 1., 1., {}, {}, 0., 0. };
   place(scene);
   measurePixels(scene);
   fillTable(scene);
@@ -185,14 +197,15 @@ VolumeKernelScene makeScene(const Field& field, const TransferFunction& transfer
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
-  Image& image)
+  Image& image, const TranslucentHits* surfaces)
 {
-  check(field, camera, settings, image);
+  check(field, camera, settings, image, surfaces);
   if (!fitsKernel(field, transferFunction))
   {
-    return renderVolumeReference(field, transferFunction, camera, interval, settings, image);
+    return renderVolumeReference(field, transferFunction, camera, interval, settings, image, surfaces);
   }
-  const VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, kept, image);
+  const VolumeKernelScene scene =
+    makeScene(field, transferFunction, camera, interval, settings, kept, image, surfaces);
   if (settings.levelOfDetailPixels > 0.)
   {
     kept.prepareMeans();
@@ -213,11 +226,12 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
 }
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image)
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
+  const TranslucentHits* surfaces)
 {
   // For this frame only: tiles share the leaves on their borders.
   VertexCache kept(field.octree(), VolumeSettings::defaultKeptBytes);
-  return renderVolume(field, transferFunction, camera, interval, settings, kept, image);
+  return renderVolume(field, transferFunction, camera, interval, settings, kept, image, surfaces);
 }
 
 VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& transferFunction,

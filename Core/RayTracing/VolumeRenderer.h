@@ -4,9 +4,12 @@
 #include "Octree/Field.h"
 #include "RayTracing/Camera.h"
 #include "RayTracing/Image.h"
+#include "RayTracing/Isosurface.h"
 #include "RayTracing/TransferFunction.h"
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 namespace treeamr
 {
@@ -19,6 +22,14 @@ struct DepthInterval
 {
   const float* begin = nullptr;
   const float* end = nullptr;
+};
+
+/// Translucent surfaces inside a volume: the hits of all of the camera's rays, each with its colour (not
+/// premultiplied) and opacity in [0, 1]. A part of a ray has those from its begin up to, but without, its end.
+struct TranslucentHits
+{
+  const HitImage& image;
+  const std::vector<std::array<float, 4>>& rgba; // in the order of the hits
 };
 
 struct VolumeSettings
@@ -65,11 +76,12 @@ struct VolumeStatistics
 };
 
 /// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds
-/// what the next frame need not compute again. The field needs its node ranges if settings.skipEmpty. Throws
-/// Error when the image's size is not the camera's or the settings are not finite and positive.
+/// what the next frame need not compute again. Between surfaces (null: none) the volume is integrated from hit to
+/// hit, with no sample across one. The field needs its node ranges if settings.skipEmpty. Throws Error when the
+/// image's size or that of the hits is not the camera's or the settings are not finite and positive.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
-  Image& image);
+  Image& image, const TranslucentHits* surfaces = nullptr);
 /// For benchmarks: takes the camera's rays through a block of the transfer function's faintest value `repeats`
 /// times, on this thread, with the tree walk and the memory of vertex values left out: what an interval, a step
 /// and a lit step take at least.
@@ -77,6 +89,7 @@ VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& t
   const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
 /// The same as renderVolume() above for a single frame.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image);
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
+  const TranslucentHits* surfaces = nullptr);
 
 } // namespace treeamr

@@ -4,6 +4,7 @@
 #include "vtkCellData.h"
 #include "vtkColorTransferFunction.h"
 #include "vtkCommunicator.h"
+#include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
@@ -24,6 +25,7 @@ vtkTreeAMRVolumeRepresentation::vtkTreeAMRVolumeRepresentation()
   this->Volume->SetProperty(this->Property);
   this->Volume->SetMapper(this->Mapper);
   this->Mapper->SetScalarModeToUseCellFieldData();
+  this->Property->GetIsoSurfaceValues()->SetNumberOfContours(0); // VTK's default is the value 0
   this->DefaultColor->SetColorSpaceToDiverging();
 }
 
@@ -124,6 +126,42 @@ void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opac
 void vtkTreeAMRVolumeRepresentation::SetScalarOpacityUnitDistance(double distance)
 {
   this->Property->SetScalarOpacityUnitDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetBlendMode(int mode)
+{
+  this->Mapper->SetBlendMode(mode);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetShowIsosurfaces(bool show)
+{
+  this->Mapper->SetShowIsosurfaces(show);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetNumberOfIsosurfaces(int number)
+{
+  this->Property->GetIsoSurfaceValues()->SetNumberOfContours(number);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetIsosurfaceValue(int index, double value)
+{
+  this->Property->GetIsoSurfaceValues()->SetValue(index, value);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetIsosurfaceOpacityScale(double scale)
+{
+  this->Mapper->SetIsosurfaceOpacityScale(scale);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetShade(bool shade)
+{
+  this->Property->SetShade(shade);
 }
 
 //------------------------------------------------------------------------------

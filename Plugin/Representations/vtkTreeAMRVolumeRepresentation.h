@@ -34,6 +34,16 @@ public:
 
   /// The length over which an opacity of the transfer function accumulates.
   void SetScalarOpacityUnitDistance(double distance);
+  ///@{
+  /// Surfaces of the drawn array's values, alone (vtkVolumeMapper::ISOSURFACE_BLEND) or inside the volume; see
+  /// vtkTreeAMRVolumeMapper.
+  void SetBlendMode(int mode);
+  void SetShowIsosurfaces(bool show);
+  void SetNumberOfIsosurfaces(int number);
+  void SetIsosurfaceValue(int index, double value);
+  void SetIsosurfaceOpacityScale(double scale);
+  void SetShade(bool shade);
+  ///@}
   /// Samples along each cell's width.
   void SetSamplesPerCell(double samples);
   /// Memory in MiB for values kept from frame to frame.

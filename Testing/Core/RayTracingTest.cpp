@@ -50,6 +50,50 @@ TransferFunction constant(float extinction)
   return TransferFunction(-1., 1., std::vector<TransferFunction::Entry>(2, { 0.5f, 0.25f, 1.f, extinction }));
 }
 
+/// A plane z = at of one colour and opacity.
+struct ColoredPlane
+{
+  double z;
+  std::array<float, 4> rgba;
+};
+
+struct PlaneHits
+{
+  HitImage image;
+  std::vector<std::array<float, 4>> rgba;
+};
+
+/// Where the camera's rays meet the planes, between near and far.
+PlaneHits meet(const Camera& camera, const std::vector<ColoredPlane>& planes)
+{
+  PlaneHits hits;
+  hits.image.first.push_back(0);
+  for (int y = 0; y < camera.height(); ++y)
+  {
+    for (int x = 0; x < camera.width(); ++x)
+    {
+      const Ray ray = camera.ray(x, y);
+      std::vector<std::pair<double, std::array<float, 4>>> ofRay;
+      for (const ColoredPlane& plane : planes)
+      {
+        const double t = (plane.z - ray.origin[2]) / ray.direction[2];
+        if (t >= camera.tFromDepth(ray, 0.) && t <= camera.tFromDepth(ray, 1.))
+        {
+          ofRay.emplace_back(t, plane.rgba);
+        }
+      }
+      std::sort(ofRay.begin(), ofRay.end());
+      for (const auto& [t, rgba] : ofRay)
+      {
+        hits.image.hits.push_back({ t, {}, 0, 0, 0 });
+        hits.rgba.push_back(rgba);
+      }
+      hits.image.first.push_back(hits.image.hits.size());
+    }
+  }
+  return hits;
+}
+
 /// Visible in part of the range only, with a smooth rise.
 TransferFunction partial()
 {
@@ -229,6 +273,104 @@ TEST(Volume, PartsOfARayComposeToTheWhole)
   EXPECT_GT(largest, 0.2f);
 }
 
+TEST(Volume, PlanesInAHomogeneousCubeAreExact)
+{
+  auto cells = makeRandomTree({ 2, { 1, 1, 1 }, 5, 0.6, 0., false });
+  setValues(cells, [](const auto&) { return 0.25; });
+  const auto field = makeField(unitCube(), cells);
+  // The last one is outside of the cube: seen as well.
+  const std::vector<ColoredPlane> planes{ { 0.3, { 1.f, 0.f, 0.5f, 0.3f } },
+    { 0.625, { 0.2f, 0.7f, 0.1f, 0.6f } }, { 0.63, { 0.f, 0.f, 1.f, 0.f } },
+    { 1.2, { 0.3f, 0.3f, 0.9f, 0.5f } } };
+  constexpr std::array<double, 3> medium{ 0.5, 0.25, 1. };
+  const Matrix4 cameras[]{ multiply(perspective(50., 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })),
+    multiply(perspective(80., 1e-4, 9.), lookAt({ 0.4, 0.45, 0.6 }, { 0.9, 0.2, 0.1 })),
+    multiply(perspective(0.3, 900., 1100.), lookAt({ 600., 500., 620. }, { 0.5, 0.5, 0.5 })),
+    multiply(parallel(0.9, 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })) };
+  for (const Matrix4& clip : cameras)
+  {
+    const Camera camera(clip, identityMatrix, 64, 48);
+    const PlaneHits hits = meet(camera, planes);
+    ASSERT_GT(hits.rgba.size(), 1000u);
+    const TranslucentHits surfaces{ hits.image, hits.rgba };
+    Image image(64, 48);
+    renderVolume(*field, constant(1.5f), camera, {}, {}, image, &surfaces);
+    for (int i = 0; i < 64 * 48; ++i)
+    {
+      Ray ray = camera.ray(i % 64, i / 64);
+      std::array<double, 4> expected{};
+      const auto add = [&](const auto& color, double alpha) {
+        const double weight = (1. - expected[3]) * alpha;
+        for (int c = 0; c < 3; ++c)
+        {
+          expected[c] += weight * color[c];
+        }
+        expected[3] += weight;
+      };
+      // The chord behind a point of the ray, less that behind the next, lies between them.
+      const auto behind = [&](double t) {
+        Ray rest = ray;
+        for (int a = 0; a < 3; ++a)
+        {
+          rest.origin[a] += t * ray.direction[a];
+        }
+        return chord(rest, { 0., 0., 0. }, { 1., 1., 1. });
+      };
+      double remaining = behind(camera.tFromDepth(ray, 0.));
+      for (std::size_t h = hits.image.first[i]; h < hits.image.first[i + 1]; ++h)
+      {
+        const double rest = behind(hits.image.hits[h].t);
+        add(medium, -std::expm1(-1.5 * (remaining - rest)));
+        add(hits.rgba[h], hits.rgba[h][3]);
+        remaining = rest;
+      }
+      add(medium, -std::expm1(-1.5 * remaining));
+      for (int c = 0; c < 4; ++c)
+      {
+        ASSERT_NEAR(image.rgba[4 * i + c], expected[c], 5e-6) << "pixel " << i << ", channel " << c;
+      }
+    }
+  }
+}
+
+TEST(Volume, PartsOfARayHaveEachSurfaceOnce)
+{
+  const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0., false };
+  const auto field =
+    makeField(RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+  const Camera camera(
+    multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 40, 40);
+  PlaneHits hits = meet(camera,
+    { { 0.4, { 1.f, 0.f, 0.f, 0.3f } }, { 1.1, { 0.f, 1.f, 0.f, 0.4f } }, { 1.7, { 0.f, 0.f, 1.f, 0.5f } } });
+  // Every other ray is cut at its first hit, as near as a depth comes to it.
+  std::vector<float> cut(1600, 0.85f);
+  for (int i = 0; i < 1600; i += 2)
+  {
+    if (hits.image.first[i] < hits.image.first[i + 1])
+    {
+      cut[i] = static_cast<float>(
+        camera.depthFromT(camera.ray(i % 40, i / 40), hits.image.hits[hits.image.first[i]].t));
+    }
+  }
+  const TranslucentHits surfaces{ hits.image, hits.rgba };
+  VolumeSettings settings;
+  settings.samplesPerCell = 256.; // cutting a ray moves its samples
+  Image whole(40, 40);
+  Image front(40, 40);
+  Image back(40, 40);
+  renderVolume(*field, partial(), camera, {}, settings, whole, &surfaces);
+  renderVolume(*field, partial(), camera, { nullptr, cut.data() }, settings, front, &surfaces);
+  renderVolume(*field, partial(), camera, { cut.data(), nullptr }, settings, back, &surfaces);
+  float largest = 0.f;
+  for (std::size_t i = 0; i < whole.rgba.size(); ++i)
+  {
+    const float through = 1.f - front.rgba[i | 3];
+    EXPECT_NEAR(front.rgba[i] + through * back.rgba[i], whole.rgba[i], 2e-3) << i;
+    largest = std::max(largest, std::min(front.rgba[i], back.rgba[i]));
+  }
+  EXPECT_GT(largest, 0.2f);
+}
+
 TEST(Volume, ConvergesWithTheStep)
 {
   const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0., false };
@@ -274,6 +416,15 @@ TEST(Volume, RejectsBadSettings)
   Field empty(built.octree, built.values);
   renderVolume(empty, constant(1.f), camera, {}, {}, right);
   EXPECT_EQ(right.rgba, std::vector<float>(256, 0.f));
+
+  const std::vector<std::array<float, 4>> colors{ { 1.f, 1.f, 1.f, 0.5f } };
+  HitImage hits;
+  hits.first.assign(8 * 8 + 1, 0);
+  const TranslucentHits tooManyColors{ hits, colors };
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, right, &tooManyColors), Error);
+  hits.first.pop_back();
+  const TranslucentHits tooFewPixels{ hits, {} };
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, right, &tooFewPixels), Error);
 }
 
 TEST(Shading, FollowsTheTermsOfVtk)

@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 using namespace treeamr;
 using namespace treeamr::test;
@@ -71,6 +73,45 @@ std::vector<View> views()
       multiply(parallel(1.2, 0.1, 20.), { 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -5, 0, 0, 0, 1 }) } };
 }
 
+struct RandomHits
+{
+  HitImage image;
+  std::vector<std::array<float, 4>> rgba;
+};
+
+/// None to six hits along each ray through the domain of 2 x 2 x 2, some at one place, faint to opaque.
+RandomHits makeHits(const Camera& camera)
+{
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(0.f, 1.f);
+  RandomHits hits;
+  hits.image.first.push_back(0);
+  for (int y = 0; y < camera.height(); ++y)
+  {
+    for (int x = 0; x < camera.width(); ++x)
+    {
+      const Ray ray = camera.ray(x, y);
+      const double middle = (1. - ray.origin[0]) * ray.direction[0] +
+        (1. - ray.origin[1]) * ray.direction[1] + (1. - ray.origin[2]) * ray.direction[2];
+      std::vector<double> ts;
+      for (auto i = random() % 7; i > 0; --i)
+      {
+        ts.push_back(i == 2 && !ts.empty() ? ts.back() : middle + 4. * uniform(random) - 2.);
+      }
+      std::sort(ts.begin(), ts.end());
+      for (const double t : ts)
+      {
+        hits.image.hits.push_back({ t, {}, 0, 0, 0 });
+        const float alpha = uniform(random);
+        hits.rgba.push_back(
+          { uniform(random), uniform(random), uniform(random), alpha > 0.9f ? 1.f : 0.5f * alpha });
+      }
+      hits.image.first.push_back(hits.image.hits.size());
+    }
+  }
+  return hits;
+}
+
 float largestDifference(const Image& a, const Image& b)
 {
   float largest = 0.f;
@@ -111,6 +152,49 @@ TEST(VolumeKernel, EqualsTheReferenceOnEveryTarget)
     });
   }
   EXPECT_GE(targets, 5);
+}
+
+TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
+{
+  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  VolumeSettings settings;
+  settings.samplesPerCell = 64.;
+  for (const View& view : views())
+  {
+    const Camera camera(view.clip, identityMatrix, width, height);
+    const RandomHits hits = makeHits(camera);
+    const TranslucentHits surfaces{ hits.image, hits.rgba };
+    // Some rays with all of their length, some with a part of it, some with none.
+    std::vector<float> begin(width * height, 0.f);
+    std::vector<float> end(width * height, 1.f);
+    for (std::size_t i = 0; i < begin.size(); i += 3)
+    {
+      const int x = static_cast<int>(i) % width;
+      const int y = static_cast<int>(i) / width;
+      const Ray ray = camera.ray(x, y);
+      const double middle = (1. - ray.origin[0]) * ray.direction[0] +
+        (1. - ray.origin[1]) * ray.direction[1] + (1. - ray.origin[2]) * ray.direction[2];
+      (i % 2 == 0 ? begin : end)[i] =
+        static_cast<float>(i % 5 == 0 ? 0.5 : std::clamp(camera.depthFromT(ray, middle), 0., 1.));
+    }
+    const DepthInterval parts{ begin.data(), end.data() };
+    Image expected(width, height);
+    Image without(width, height);
+    renderVolumeReference(*field, smooth(), camera, parts, settings, expected, &surfaces);
+    renderVolumeReference(*field, smooth(), camera, parts, settings, without);
+    EXPECT_GT(largestDifference(expected, without), 0.5f) << view.name;
+    Image first(0, 0);
+    forEachTarget([&](const char* target) {
+      Image image(width, height);
+      renderVolume(*field, smooth(), camera, parts, settings, image, &surfaces);
+      EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << target;
+      if (first.width == 0)
+      {
+        first = image;
+      }
+      EXPECT_EQ(image.rgba, first.rgba) << view.name << " on " << target;
+    });
+  }
 }
 
 TEST(VolumeKernel, EveryTargetGivesTheSameBits)
@@ -302,6 +386,12 @@ TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
   {
     EXPECT_TRUE(std::isfinite(c));
   }
+  const RandomHits hits = makeHits(camera);
+  const TranslucentHits surfaces{ hits.image, hits.rgba };
+  renderVolume(field, transferFunction, camera, {}, {}, image, &surfaces);
+  EXPECT_GT(largestDifference(image, expected), 0.5f);
+  renderVolumeReference(field, transferFunction, camera, {}, {}, expected, &surfaces);
+  EXPECT_EQ(image.rgba, expected.rgba);
 }
 
 TEST(VolumeKernel, SpikesNarrowerThanAnyStepAreIntegrated)

@@ -129,6 +129,41 @@ grid.GetCellData().AddArray(array)
         self.assertTrue(after.any())
         self.assertLess(after.sum(), before.sum())
 
+    def test_isosurfaces(self):
+        """One colour all over: each pixel lets through what the volume and the surfaces let through."""
+        self.show(rgb=(1, 0, 0), opacity=0.5)
+        self.representation.Shade = 0
+        self.representation.ScalarOpacityUnitDistance = 4
+        volume = self.picture("no-isosurfaces")
+        low, high = self.source.CellData["xyz"].GetRange()
+        self.assertAlmostEqual((low + high) / 2, self.representation.IsosurfaceValues[0], places=5)
+        self.representation.ShowIsosurfaces = 1
+        self.representation.IsosurfaceValues = [6.5, 20]
+        self.representation.IsosurfaceOpacityScale = 0.5
+        both = self.picture("isosurfaces-inside")
+        self.representation.BlendMode = "Isosurface"
+        alone = self.picture("isosurfaces-alone")
+        self.assertLessEqual({0, 64, 112}, set(numpy.unique(alone[..., 0])))
+        self.assertLess(numpy.abs(both - (volume + alone - volume * alone / 255)).max(), 1.6)
+        self.representation.IsosurfaceValues = [20]
+        one = self.picture("one-isosurface")
+        self.assertLess(scene.drawn(one).sum(), scene.drawn(alone).sum())
+        self.representation.IsosurfaceValues = []
+        self.assertFalse(scene.drawn(self.picture("none-alone")).any())
+        self.representation.BlendMode = "Composite"
+        self.assertTrue(scene.close((volume, self.picture("volume-again"))))
+
+    def test_isosurfaces_are_shaded(self):
+        self.show(rgb=(1, 1, 1), opacity=1)
+        self.representation.BlendMode = "Isosurface"
+        self.representation.IsosurfaceValues = [6.5]
+        shaded = self.picture("shaded")
+        self.representation.Shade = 0
+        flat = self.picture("flat")
+        self.assertEqual({0, 255}, set(numpy.unique(flat)))
+        self.assertGreater(len(numpy.unique(shaded)), 10)
+        self.assertTrue((scene.drawn(flat) == scene.drawn(shaded)).all())
+
     def test_group_of_one(self):
         self.show()
         alone = self.picture("alone")

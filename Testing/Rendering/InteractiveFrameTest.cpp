@@ -370,8 +370,8 @@ TEST_F(InteractiveFrameTest, statisticsOfWhatThereIs)
   vtkVolume* volume = scene.addVolume(grid, "x", orange, extinction);
   for (const char* name :
     { "Cells", "OctreeBytes", "KeptBytes", "Rays", "Nodes", "KeptBlocks", "ReconstructedBlocks",
-      "ReconstructedCells", "Intervals", "Samples", "ImageSampleDistance", "LevelOfDetail", "FieldSeconds",
-      "TransferFunctionSeconds", "RayCastingSeconds", "CompositingSeconds" })
+      "ReconstructedCells", "Intervals", "Samples", "SurfaceBytes", "SurfaceHits", "ImageSampleDistance",
+      "LevelOfDetail", "FieldSeconds", "TransferFunctionSeconds", "RayCastingSeconds", "CompositingSeconds" })
   {
     EXPECT_EQ(Scene::statistic(volume, name), 0.) << name;
   }

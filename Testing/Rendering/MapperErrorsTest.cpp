@@ -2,8 +2,10 @@
 #include "RenderingScene.h"
 
 #include "vtkCellData.h"
+#include "vtkContourValues.h"
 #include "vtkPlane.h"
 
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -200,11 +202,11 @@ TEST_F(MapperErrorsTest, pointData)
 
 TEST_F(MapperErrorsTest, blendModes)
 {
-  for (int mode = 1; mode <= 6; ++mode)
+  for (const int mode : { 1, 2, 3, 4, 6 })
   {
     expectVolumeError(
-      { "blend mode " + std::to_string(mode), "0 (composite)" }, [&] { volumeMapper_->SetBlendMode(mode); },
-      [&] { volumeMapper_->SetBlendModeToComposite(); });
+      { "blend mode " + std::to_string(mode), "0 (composite) and 5 (isosurface)" },
+      [&] { volumeMapper_->SetBlendMode(mode); }, [&] { volumeMapper_->SetBlendModeToComposite(); });
   }
 }
 
@@ -240,7 +242,9 @@ TEST_F(MapperErrorsTest, settingsThatAreNoNumbers)
            "the maximum image sample distance", &vtkTreeAMRVolumeMapper::SetMaximumImageSampleDistance),
          std::pair<const char*, Setter>(
            "the interactive render time", &vtkTreeAMRVolumeMapper::SetInteractiveRenderTime),
-         std::pair<const char*, Setter>("the level of detail", &vtkTreeAMRVolumeMapper::SetLevelOfDetail) })
+         std::pair<const char*, Setter>("the level of detail", &vtkTreeAMRVolumeMapper::SetLevelOfDetail),
+         std::pair<const char*, Setter>(
+           "the isosurface opacity scale", &vtkTreeAMRVolumeMapper::SetIsosurfaceOpacityScale) })
   {
     expectVolumeError(
       { name, "not a number" }, [&] { (volumeMapper_->*set)(nan); }, [&] { (volumeMapper_->*set)(1.); });
@@ -253,6 +257,26 @@ TEST_F(MapperErrorsTest, unitDistance)
   expectVolumeError(
     { "unit distance" }, [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(0.); },
     [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(1.); });
+}
+
+TEST_F(MapperErrorsTest, isovalueOfAVolumeNotFinite)
+{
+  volumeMapper_->ShowIsosurfacesOn();
+  vtkContourValues* values = volume_->GetProperty()->GetIsoSurfaceValues();
+  for (const double value : { HUGE_VAL, std::numeric_limits<double>::quiet_NaN() })
+  {
+    values->SetNumberOfContours(0);
+    // NaN never equals itself: every set is a change.
+    expectVolumeError(
+      { "isovalue" },
+      [&] {
+        if (values->GetNumberOfContours() == 0)
+        {
+          values->SetValue(0, value);
+        }
+      },
+      [&] { values->SetNumberOfContours(0); });
+  }
 }
 
 TEST_F(MapperErrorsTest, isovalueNotFinite)

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -208,5 +209,51 @@ TEST_F(TransferFunctionTest, unitDistance)
   {
     property->SetScalarOpacityUnitDistance(distance);
     EXPECT_THROW(convertTransferFunction(property, { 0.f, 1.f }), Error) << distance;
+  }
+}
+
+TEST_F(TransferFunctionTest, surfaceMaterials)
+{
+  property->SetScalarOpacityUnitDistance(0.); // of no effect on surfaces
+  property->SetAmbient(0.2);
+  property->SetDiffuse(0.5);
+  property->SetSpecular(0.3);
+  property->SetSpecularPower(7.);
+  const std::vector<double> isovalues{ -1., 1.5, 2., 9. };
+  for (const bool gray : { false, true })
+  {
+    if (gray)
+    {
+      vtkNew<vtkPiecewiseFunction> ramp;
+      ramp->AddPoint(0., 0.1);
+      ramp->AddPoint(4., 0.9);
+      property->SetColor(ramp);
+    }
+    for (const bool shaded : { false, true })
+    {
+      property->SetShade(shaded);
+      for (const double scale : { 0., 0.5, 1., 3. })
+      {
+        const std::vector<SurfaceMaterial> surfaces = convertSurfaceMaterials(property, isovalues, scale);
+        ASSERT_EQ(surfaces.size(), isovalues.size());
+        for (std::size_t i = 0; i < surfaces.size(); ++i)
+        {
+          double rgb[3];
+          color->GetColor(isovalues[i], rgb);
+          const Material& m = surfaces[i].material;
+          for (int c = 0; c < 3; ++c)
+          {
+            const double expected =
+              gray ? property->GetGrayTransferFunction(0)->GetValue(isovalues[i]) : rgb[c];
+            EXPECT_FLOAT_EQ(m.ambient[c], static_cast<float>((shaded ? 0.2 : 1.) * expected));
+            EXPECT_FLOAT_EQ(m.diffuse[c], static_cast<float>((shaded ? 0.5 : 0.) * expected));
+            EXPECT_FLOAT_EQ(m.specular[c], shaded ? 0.3f : 0.f);
+          }
+          EXPECT_EQ(m.specularPower, shaded ? 7.f : 1.f);
+          EXPECT_FLOAT_EQ(
+            surfaces[i].opacity, static_cast<float>(std::min(1., scale * opacity->GetValue(isovalues[i]))));
+        }
+      }
+    }
   }
 }

@@ -1,0 +1,50 @@
+// The isosurfaces that a volume mapper draws: built, traced and lit when what they depend on has changed. Private
+// to the module.
+#pragma once
+
+#include "RayTracing/Isosurface.h"
+#include "RayTracing/Shading.h"
+#include "RayTracing/VolumeRenderer.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace treeamr
+{
+
+/// Of the surface of one isovalue.
+struct SurfaceMaterial
+{
+  Material material;
+  float opacity = 1.f;
+};
+
+class VolumeSurfaces
+{
+public:
+  /// True when the surfaces had to be built. Throws Error as Isosurface().
+  bool build(const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues);
+  /// Only after build(): null before, and after release().
+  const Isosurface* engine() const noexcept { return engine_.get(); }
+  void release();
+
+  /// All hits of an image of width x height pixels; the last ones when nothing has changed.
+  void trace(const Matrix4& clipFromData, const Matrix4& worldFromData, int width, int height);
+  /// Colours of the last trace()'s hits; materials: one by isovalue of the engine.
+  void light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights);
+  /// Valid until the next call of any other member.
+  TranslucentHits hits() const noexcept { return { hits_, rgba_ }; }
+
+private:
+  std::shared_ptr<const Field> field_;
+  std::vector<double> isovalues_; // as asked for
+  std::unique_ptr<Isosurface> engine_;
+  std::optional<Camera> camera_; // of the hits
+  Matrix4 clipFromData_{};
+  HitImage hits_;
+  std::vector<std::array<float, 4>> rgba_;
+};
+
+} // namespace treeamr
