@@ -116,6 +116,7 @@ struct Isosurface::Impl
   SurfaceBlocks blocks;
   TraceSpace space;
   Bounds domain; // in it
+  double widest; // world extent of the domain
   std::atomic<std::ptrdiff_t> embreeBytes{ 0 };
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -124,7 +125,12 @@ struct Isosurface::Impl
     : blocks(field, std::move(isovalues), keptBytes)
     , space(field->octree().grid())
     , domain(space.domain())
+    , widest(0.)
   {
+    for (int a = 0; a < 3; ++a)
+    {
+      widest = std::max(widest, (domain.max[a] - domain.min[a]) * space.width(a));
+    }
   }
   ~Impl()
   {
@@ -376,7 +382,8 @@ struct Isosurface::Impl
       return a.surface != b.surface ? a.surface < b.surface : a.t != b.t ? a.t < b.t : a.block < b.block;
     });
     const auto same = [&](const SurfaceHit& a, const SurfaceHit& b) {
-      return a.surface == b.surface && b.t - a.t <= sameHit * surface.leafWidth(a);
+      const double apart = b.t - a.t;
+      return a.surface == b.surface && apart <= sameHit * widest && apart <= sameHit * surface.leafWidth(a);
     };
     hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
     std::stable_sort(
