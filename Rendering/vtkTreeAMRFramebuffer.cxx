@@ -33,20 +33,25 @@ void main()
 const char* const surfaceShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
+uniform int treeamrLayer;
+uniform sampler2D treeamrRuns;
 uniform sampler2D treeamrColor;
 uniform sampler2D treeamrDepth;
 //VTK::DepthPeeling::Dec
 //TreeAMR::Geometry::Dec
 void main()
 {
-  vec4 color = texture2D(treeamrColor, texCoord);
-  if (color.a <= 0.0)
+  vec3 run = texture2D(treeamrRuns, texCoord).xyz;
+  if (treeamrLayer >= int(run.z))
   {
     discard;
   }
-  gl_FragDepth = texture2D(treeamrDepth, texCoord).r;
+  int columns = textureSize(treeamrDepth, 0).x;
+  int column = int(run.x) + treeamrLayer;
+  ivec2 point = ivec2(column % columns, int(run.y) + column / columns);
+  gl_FragDepth = texelFetch(treeamrDepth, point, 0).r;
   //VTK::DepthPeeling::PreColor
-  gl_FragData[0] = color;
+  gl_FragData[0] = texelFetch(treeamrColor, point, 0);
   //TreeAMR::Geometry::Impl
   //VTK::DepthPeeling::Impl
 }
@@ -55,8 +60,8 @@ void main()
 const char* const geometryDeclarations = "uniform sampler2D treeamrPosition;\n"
                                          "uniform sampler2D treeamrNormal;\n";
 const char* const geometryOutputs =
-  "  gl_FragData[1] = vec4(texture2D(treeamrPosition, texCoord).xyz, 1.0);\n"
-  "  gl_FragData[2] = vec4(texture2D(treeamrNormal, texCoord).xyz, 1.0);\n";
+  "  gl_FragData[1] = vec4(texelFetch(treeamrPosition, point, 0).xyz, 1.0);\n"
+  "  gl_FragData[2] = vec4(texelFetch(treeamrNormal, point, 0).xyz, 1.0);\n";
 
 // Saves and restores what reading pixels touches. Raw OpenGL: vtkOpenGLState never learns of it.
 class PixelReadState
@@ -209,6 +214,37 @@ bool isAmbientOcclusion(vtkOpenGLRenderPass* pass)
 } // anonymous namespace
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
+  const vtkTreeAMRSurfaceImage& image, bool geometry)
+{
+  this->Layers = image.Layers;
+  this->Geometry = geometry;
+  if (image.Layers == 0)
+  {
+    return;
+  }
+  constexpr int columns = vtkTreeAMRSurfaceImage::PointColumns;
+  this->Runs.Upload(window, viewport.Width, viewport.Height, 3, image.Runs.data());
+  this->Color.Upload(window, columns, image.PointRows, 4, image.RGBA.data());
+  this->Depth.Upload(window, columns, image.PointRows, 1, image.Depth.data());
+  if (geometry)
+  {
+    this->Position.Upload(window, columns, image.PointRows, 3, image.Position.data());
+    this->Normal.Upload(window, columns, image.PointRows, 3, image.Normal.data());
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRSurfaceTextures::ReleaseGraphicsResources(vtkWindow* window)
+{
+  for (vtkTreeAMRFloatTexture* texture :
+    { &this->Runs, &this->Color, &this->Depth, &this->Position, &this->Normal })
+  {
+    texture->ReleaseGraphicsResources(window);
+  }
+}
+
+//------------------------------------------------------------------------------
 vtkOpenGLRenderWindow* vtkTreeAMRFramebuffer::GetWindow(vtkRenderer* renderer)
 {
   vtkRenderWindow* window = renderer ? renderer->GetRenderWindow() : nullptr;
@@ -346,19 +382,14 @@ vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractM
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, vtkAbstractMapper* mapper,
-  const vtkTreeAMRViewport& viewport, const vtkTreeAMRSurfaceImage& image)
+  const vtkTreeAMRSurfaceTextures& textures)
 {
+  if (textures.Layers == 0)
+  {
+    return;
+  }
   vtkOpenGLRenderWindow* window = GetWindow(renderer);
   vtkOpenGLState* state = window->GetState();
-  const bool geometry = WantsGeometry(actor);
-  this->Color.Upload(window, viewport.Width, viewport.Height, 4, image.RGBA.data());
-  this->Depth.Upload(window, viewport.Width, viewport.Height, 1, image.Depth.data());
-  if (geometry)
-  {
-    this->Position.Upload(window, viewport.Width, viewport.Height, 3, image.Position.data());
-    this->Normal.Upload(window, viewport.Width, viewport.Height, 3, image.Normal.data());
-  }
-
   vtkTreeAMRQuad& quad = this->SurfaceQuad(actor, mapper);
   vtkShaderProgram* program = quad.Use(window);
   for (vtkOpenGLRenderPass* pass : getPasses(actor))
@@ -389,16 +420,21 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
     state->vtkglDisable(GL_BLEND);
   }
 
-  const vtkTreeAMRFloatTexture::Binding color(this->Color, program, "treeamrColor");
-  const vtkTreeAMRFloatTexture::Binding depth(this->Depth, program, "treeamrDepth");
+  const vtkTreeAMRFloatTexture::Binding runs(textures.Runs, program, "treeamrRuns");
+  const vtkTreeAMRFloatTexture::Binding color(textures.Color, program, "treeamrColor");
+  const vtkTreeAMRFloatTexture::Binding depth(textures.Depth, program, "treeamrDepth");
   std::optional<vtkTreeAMRFloatTexture::Binding> position;
   std::optional<vtkTreeAMRFloatTexture::Binding> normal;
-  if (geometry)
+  if (textures.Geometry)
   {
-    position.emplace(this->Position, program, "treeamrPosition");
-    normal.emplace(this->Normal, program, "treeamrNormal");
+    position.emplace(textures.Position, program, "treeamrPosition");
+    normal.emplace(textures.Normal, program, "treeamrNormal");
   }
-  quad.Draw();
+  for (int layer = textures.Layers - 1; layer >= 0; --layer)
+  {
+    program->SetUniformi("treeamrLayer", layer);
+    quad.Draw();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -407,8 +443,4 @@ void vtkTreeAMRFramebuffer::ReleaseGraphicsResources(vtkWindow* window)
   this->OverQuads.ReleaseGraphicsResources();
   this->Over.ReleaseGraphicsResources(window);
   this->SurfaceQuads.ReleaseGraphicsResources();
-  this->Color.ReleaseGraphicsResources(window);
-  this->Depth.ReleaseGraphicsResources(window);
-  this->Position.ReleaseGraphicsResources(window);
-  this->Normal.ReleaseGraphicsResources(window);
 }

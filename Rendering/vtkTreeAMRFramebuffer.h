@@ -26,14 +26,41 @@ struct vtkTreeAMRViewport
   int Height = 0;
 };
 
-/// One surface point a pixel, lower left first; a pixel with alpha 0 has none.
+/// Surface points, any number behind each other in a pixel. Pixels come lower left first; the points of one follow
+/// each other, nearest first, in rows of PointColumns.
 struct vtkTreeAMRSurfaceImage
 {
+  static constexpr int PointColumns = 4096;
+  int PointRows = 0;       // the last is filled up with anything
+  int Layers = 0;          // most points of a pixel
+  std::vector<float> Runs; // of each pixel: column and row of its first point, number of its points
+  // Of each point:
   std::vector<float> RGBA;  // not premultiplied
   std::vector<float> Depth; // window depth
   // x, y, z in view coordinates; only when vtkTreeAMRFramebuffer::WantsGeometry()
   std::vector<float> Position;
   std::vector<float> Normal;
+};
+
+/// A surface image on the graphics card, for all passes that draw it.
+class vtkTreeAMRSurfaceTextures
+{
+public:
+  /// Throws treeamr::Error.
+  void Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
+    const vtkTreeAMRSurfaceImage& image, bool geometry);
+  bool HasGeometry() const { return this->Geometry; }
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  friend class vtkTreeAMRFramebuffer;
+  int Layers = 0;
+  bool Geometry = false;
+  vtkTreeAMRFloatTexture Runs;
+  vtkTreeAMRFloatTexture Color;
+  vtkTreeAMRFloatTexture Depth;
+  vtkTreeAMRFloatTexture Position;
+  vtkTreeAMRFloatTexture Normal;
 };
 
 class vtkTreeAMRFramebuffer
@@ -61,10 +88,11 @@ public:
 
   /// Whether a pass around this prop's rendering takes positions and normals (vtkSSAOPass).
   static bool WantsGeometry(vtkProp* prop);
-  /// Draws with real depth: opaque pixels in the opaque pass; in the translucent pass by the protocol of the
-  /// pass (order independent or depth peeling), blended with the image's alpha. Throws Error.
+  /// Draws with real depth: opaque points in the opaque pass; in the translucent pass by the protocol of the
+  /// pass (order independent or depth peeling), blended with the image's alpha, back to front in each pixel.
+  /// Throws Error.
   void DrawSurface(vtkRenderer* renderer, vtkActor* actor, vtkAbstractMapper* mapper,
-    const vtkTreeAMRViewport& viewport, const vtkTreeAMRSurfaceImage& image);
+    const vtkTreeAMRSurfaceTextures& textures);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 
@@ -75,8 +103,4 @@ private:
   vtkTreeAMRRayTexture Over{ "treeamrImage" };
   // The passes rewrite the shader and have stages of their own: one program for each text they make.
   vtkTreeAMRQuadSet SurfaceQuads;
-  vtkTreeAMRFloatTexture Color;
-  vtkTreeAMRFloatTexture Depth;
-  vtkTreeAMRFloatTexture Position;
-  vtkTreeAMRFloatTexture Normal;
 };

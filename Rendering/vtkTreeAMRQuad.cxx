@@ -125,7 +125,7 @@ void vtkTreeAMRFloatTexture::ReleaseGraphicsResources(vtkWindow* window)
 
 //------------------------------------------------------------------------------
 vtkTreeAMRFloatTexture::Binding::Binding(
-  vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name)
+  const vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name)
   : Texture(texture.Texture)
 {
   this->Texture->Activate();

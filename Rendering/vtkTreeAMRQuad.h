@@ -68,7 +68,7 @@ public:
   class Binding
   {
   public:
-    Binding(vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name);
+    Binding(const vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name);
     ~Binding();
     Binding(const Binding&) = delete;
     Binding& operator=(const Binding&) = delete;

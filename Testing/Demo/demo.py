@@ -46,7 +46,7 @@ same = PassThrough(Input=reader)
 surface = Show(same, view)
 ColorBy(surface, None)
 surface.SetRepresentationType("Tree AMR Isosurface")
-surface.Isovalue = 0.9
+surface.Isovalues = [0.9]
 surface.DiffuseColor = surface.AmbientColor = [0.85, 0.8, 0.7]
 Render(view)
 print("isosurface frame: " + timed_frame(view))

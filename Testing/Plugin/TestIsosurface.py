@@ -21,11 +21,12 @@ class TestIsosurface(scene.TestCase):
 
     def test_isovalue_starts_in_the_middle(self):
         low, high = self.source.CellData["xyz"].GetRange()
-        self.assertAlmostEqual((low + high) / 2, self.representation.Isovalue, places=5)
+        (isovalue,) = self.representation.Isovalues
+        self.assertAlmostEqual((low + high) / 2, isovalue, places=5)
         self.assertTrue(scene.drawn(self.picture("middle")).any())
 
     def test_isovalue_outside_the_range(self):
-        self.representation.Isovalue = -1.0
+        self.representation.Isovalues = [-1.0]
         self.assertFalse(scene.drawn(self.picture("outside")).any())
 
     def test_isovalue_follows_another_array(self):
@@ -44,16 +45,16 @@ for name, values in (('big', numpy.linspace(100, 200, n)), ('v', numpy.linspace(
         representation = simple.Show(arrays, self.view)
         representation.SetRepresentationType("Tree AMR Isosurface")
         representation.IsosurfaceArray = ["CELLS", "big"]
-        self.assertAlmostEqual(150, representation.Isovalue)
-        representation.Isovalue = 120
+        self.assertAlmostEqual(150, *representation.Isovalues)
+        representation.Isovalues = [120]
         representation.IsosurfaceArray = ["CELLS", "v"]
         representation.IsosurfaceComponent = "Magnitude"
-        self.assertAlmostEqual(15, representation.Isovalue)
+        self.assertAlmostEqual(15, *representation.Isovalues)
         # The mapper finds the same values in the magnitude: the surface is there.
         self.assertTrue(scene.drawn(self.picture("magnitude")).any())
-        representation.Isovalue = 11
+        representation.Isovalues = [11]
         representation.IsosurfaceComponent = "Y"
-        self.assertEqual(11, representation.Isovalue)
+        self.assertEqual([11], list(representation.Isovalues))
 
     def test_solid_colour(self):
         self.representation.DiffuseColor = self.representation.AmbientColor = [1, 0, 0]

@@ -22,7 +22,7 @@ class TestState(scene.TestCase):
         representation.SamplesPerCell = 3
         for name, value in MOTION.items():
             setattr(representation, name, value)
-        representation.Isovalue = 6.5
+        representation.Isovalues = [6.5]
         scene.look(view)
         return scene.picture(view, "state-before")
 
@@ -35,7 +35,7 @@ class TestState(scene.TestCase):
         self.assertEqual(3, representation.SamplesPerCell)
         for name, value in MOTION.items():
             self.assertEqual(value, getattr(representation, name), name)
-        self.assertEqual(6.5, representation.Isovalue)
+        self.assertEqual([6.5], list(representation.Isovalues))
         self.assertEqual(["CELLS", "xyz"], list(representation.IsosurfaceArray))
         view.UseFXAA = 0  # ParaView's states do not keep it
         after = scene.picture(view, "state-after")

@@ -163,7 +163,7 @@ TEST_F(IsosurfaceMapperTest, onlyWhatChangedIsRebuilt)
   scene.render();
   EXPECT_EQ(mapper->GetSurfaceBuildTime(), built);
 
-  mapper->SetIsovalue(0.2);
+  mapper->SetValue(0, 0.2);
   scene.render();
   const vtkMTimeType second = mapper->GetSurfaceBuildTime();
   EXPECT_GT(second, built);
