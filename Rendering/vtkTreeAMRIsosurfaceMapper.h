@@ -86,7 +86,7 @@ public:
   static constexpr int InteractiveSamples = 2;
   ///@}
   ///@{
-  /// Part of the diagonal of the grid's bounds, as large as the actor shows it. Default 0.1.
+  /// Part of the diagonal of the grid's bounds, as large as the actor shows it. Default 0.05.
   vtkSetClampMacro(AmbientOcclusionRadius, double, 0., VTK_DOUBLE_MAX);
   vtkGetMacro(AmbientOcclusionRadius, double);
   ///@}
@@ -122,7 +122,7 @@ protected:
   vtkNew<vtkContourValues> ContourValues;
   int IsosurfaceComponent = -1;
   int AmbientOcclusionSamples = 0;
-  double AmbientOcclusionRadius = 0.1;
+  double AmbientOcclusionRadius = 0.05;
   bool Shadows = false;
 
 private:
