@@ -130,6 +130,35 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
   });
 }
 
+void flattenLayers(const HitImage& hits, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image)
+{
+  image.Layers = std::min(image.Layers, 1);
+  forEach(hits.first.size() - 1, [&](std::size_t pixel) {
+    const std::size_t first = hits.first[pixel];
+    std::array<float, 3> sum{};
+    float passes = 1.f;
+    for (std::size_t i = first; i < hits.first[pixel + 1] && image.Depth[i] <= depth[pixel]; ++i)
+    {
+      const float alpha = image.RGBA[4 * i + 3];
+      for (int c = 0; c < 3; ++c)
+      {
+        sum[c] += passes * alpha * image.RGBA[4 * i + c];
+      }
+      passes *= 1.f - alpha;
+    }
+    const float alpha = 1.f - passes;
+    image.Runs[3 * pixel + 2] = alpha > 0.f ? 1.f : 0.f;
+    if (alpha > 0.f)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        image.RGBA[4 * first + c] = sum[c] / alpha;
+      }
+      image.RGBA[4 * first + 3] = alpha;
+    }
+  });
+}
+
 void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image)
 {
   arrangePoints(hits, image);

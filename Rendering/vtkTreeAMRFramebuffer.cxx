@@ -12,6 +12,7 @@
 #include "vtkRenderer.h"
 #include "vtkShaderProgram.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -347,14 +348,16 @@ void vtkTreeAMRFramebuffer::DrawOver(vtkRenderer* renderer, const vtkTreeAMRRayI
 //------------------------------------------------------------------------------
 bool vtkTreeAMRFramebuffer::WantsGeometry(vtkProp* prop)
 {
-  for (vtkOpenGLRenderPass* pass : getPasses(prop))
-  {
-    if (isAmbientOcclusion(pass))
-    {
-      return true;
-    }
-  }
-  return false;
+  const std::vector<vtkOpenGLRenderPass*> passes = getPasses(prop);
+  return std::any_of(passes.begin(), passes.end(), isAmbientOcclusion);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRFramebuffer::IsDepthPeeling(vtkProp* prop)
+{
+  const std::vector<vtkOpenGLRenderPass*> passes = getPasses(prop);
+  return std::any_of(passes.begin(), passes.end(),
+    [](vtkOpenGLRenderPass* pass) { return pass->IsA("vtkDepthPeelingPass") != 0; });
 }
 
 //------------------------------------------------------------------------------

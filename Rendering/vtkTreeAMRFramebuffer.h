@@ -88,6 +88,8 @@ public:
 
   /// Whether a pass around this prop's rendering takes positions and normals (vtkSSAOPass).
   static bool WantsGeometry(vtkProp* prop);
+  /// Whether a pass around this actor's rendering sorts fragments by depth.
+  static bool IsDepthPeeling(vtkProp* prop);
   /// Draws with real depth: opaque points in the opaque pass; in the translucent pass by the protocol of the
   /// pass (order independent or depth peeling), blended with the image's alpha, back to front in each pixel.
   /// Throws Error.

@@ -476,6 +476,13 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
     property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(),
     colors ? colors->GetPointer(0) : nullptr, internals.Image);
+  if (view.Layers == treeamr::SurfaceLayers::All && !vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
+  {
+    // VTK's order independent pass would average them.
+    std::vector<float> depth;
+    internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
+    treeamr::flattenLayers(view.Hits, depth, internals.Image);
+  }
   const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.Actor);
   if (geometry)
   {

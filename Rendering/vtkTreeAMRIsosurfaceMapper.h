@@ -15,8 +15,8 @@
  *
  * An actor of opacity below 1 shows all layers of the surfaces. With depth peeling they are sorted among themselves
  * and with all other translucent geometry and the volumes of this module; each layer takes a peel, and two layers
- * nearer than the depth buffer can tell are one. Without it they are blended back to front in each pixel, over the
- * translucent actors before and under those after.
+ * nearer than the depth buffer can tell are one. Without it the layers before what is opaque are blended in
+ * their order and count as one, at the nearest, for VTK's order independent pass.
  *
  * Ambient occlusion and shadows are traced, with all the mapper's surfaces as obstacles and nothing else of the
  * scene. A translucent surface takes away the part of the light that its opacity says, once. Unlit properties have
