@@ -48,25 +48,54 @@ void forEachHit(const HitImage& hits, const Camera& camera, const Body& body)
   });
 }
 
-/// Makes room for the points and says where they lie.
-void arrangePoints(const HitImage& hits, vtkTreeAMRSurfaceImage& image)
+std::size_t filledRows(std::size_t count)
 {
-  constexpr std::size_t columns = vtkTreeAMRSurfaceImage::PointColumns;
-  image.PointRows = static_cast<int>((hits.hits.size() + columns - 1) / columns);
-  image.Depth.resize(columns * image.PointRows);
+  constexpr std::size_t columns = vtkTreeAMRSurfaceImage::Columns;
+  return (count + columns - 1) / columns * columns;
+}
+
+/// The tiles to draw, from the runs.
+void arrangeTiles(const Camera& camera, vtkTreeAMRSurfaceImage& image)
+{
+  constexpr int size = vtkTreeAMRSurfaceImage::TileSize;
+  const int columns = (camera.width() + size - 1) / size;
+  const int rows = (camera.height() + size - 1) / size;
+  std::vector<float> layers(static_cast<std::size_t>(columns) * rows); // most points of a pixel
+  for (std::size_t pixel = 0; 3 * pixel < image.Runs.size(); ++pixel)
+  {
+    const std::size_t tile = pixel / camera.width() / size * columns + pixel % camera.width() / size;
+    layers[tile] = std::max(layers[tile], image.Runs[3 * pixel + 2]);
+  }
+  image.Tiles.clear();
+  for (float layer = *std::max_element(layers.begin(), layers.end()) - 1.f; layer >= 0.f; --layer)
+  {
+    for (std::size_t tile = 0; tile < layers.size(); ++tile)
+    {
+      if (layer < layers[tile])
+      {
+        image.Tiles.insert(image.Tiles.end(),
+          { static_cast<float>(tile % columns), static_cast<float>(tile / columns), layer });
+      }
+    }
+  }
+  image.NumberOfTiles = static_cast<int>(image.Tiles.size() / 3);
+  image.Tiles.resize(3 * filledRows(image.NumberOfTiles));
+}
+
+/// Makes room for the points and says where they lie.
+void arrangePoints(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image)
+{
+  constexpr std::size_t columns = vtkTreeAMRSurfaceImage::Columns;
+  image.Depth.resize(filledRows(hits.hits.size()));
   image.RGBA.resize(4 * image.Depth.size());
   image.Runs.resize(3 * (hits.first.size() - 1));
-  std::size_t layers = 0;
-  for (std::size_t pixel = 0; pixel + 1 < hits.first.size(); ++pixel)
-  {
+  forEach(hits.first.size() - 1, [&](std::size_t pixel) {
     const std::size_t first = hits.first[pixel];
-    const std::size_t count = hits.first[pixel + 1] - first;
     image.Runs[3 * pixel] = static_cast<float>(first % columns);
     image.Runs[3 * pixel + 1] = static_cast<float>(first / columns);
-    image.Runs[3 * pixel + 2] = static_cast<float>(count);
-    layers = std::max(layers, count);
-  }
-  image.Layers = static_cast<int>(layers);
+    image.Runs[3 * pixel + 2] = static_cast<float>(hits.first[pixel + 1] - first);
+  });
+  arrangeTiles(camera, image);
 }
 
 } // namespace
@@ -98,7 +127,7 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
 {
   const SurfaceFrame frame(camera.worldFromData());
   const std::size_t lights = appearance.lights.size();
-  arrangePoints(hits, image);
+  arrangePoints(hits, camera, image);
   forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
     const SurfaceHit& hit = hits.hits[i];
     const Vec3 away = normalized(frame.worldVector(ray.direction));
@@ -130,9 +159,9 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
   });
 }
 
-void flattenLayers(const HitImage& hits, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image)
+void flattenLayers(
+  const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image)
 {
-  image.Layers = std::min(image.Layers, 1);
   forEach(hits.first.size() - 1, [&](std::size_t pixel) {
     const std::size_t first = hits.first[pixel];
     std::array<float, 3> sum{};
@@ -157,11 +186,12 @@ void flattenLayers(const HitImage& hits, const std::vector<float>& depth, vtkTre
       image.RGBA[4 * first + 3] = alpha;
     }
   });
+  arrangeTiles(camera, image);
 }
 
 void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image)
 {
-  arrangePoints(hits, image);
+  arrangePoints(hits, camera, image);
   forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
     std::copy(rgb, rgb + 3, &image.RGBA[4 * i]);
     image.RGBA[4 * i + 3] = 1.f;

@@ -43,7 +43,8 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
 
 /// Makes one layer of all that lie before the window depths `depth` of the pixels, blended in their order, where
 /// the nearest is.
-void flattenLayers(const HitImage& hits, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image);
+void flattenLayers(
+  const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image);
 
 /// One colour without lighting, for hardware selection.
 void fillHits(const HitImage& hits, const Camera& camera, const float rgb[3], vtkTreeAMRSurfaceImage& image);

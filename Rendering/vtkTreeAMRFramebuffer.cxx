@@ -29,12 +29,31 @@ void main()
 }
 )";
 
+// Only tiles with points are drawn, each as often as it has layers: a surface with many layers in a few places
+// costs little elsewhere.
+const char* const surfaceVertexShader = R"(//VTK::System::Dec
+in vec4 ndCoordIn;
+in vec2 texCoordIn;
+out vec2 texCoord;
+flat out int treeamrLayer;
+uniform sampler2D treeamrTiles;
+uniform vec2 treeamrTileSize;
+void main()
+{
+  int columns = textureSize(treeamrTiles, 0).x;
+  vec3 tile = texelFetch(treeamrTiles, ivec2(gl_InstanceID % columns, gl_InstanceID / columns), 0).xyz;
+  treeamrLayer = int(tile.z);
+  texCoord = min((tile.xy + texCoordIn) * treeamrTileSize, 1.0);
+  gl_Position = vec4(2.0 * texCoord - 1.0, ndCoordIn.z, 1.0);
+}
+)";
+
 // The tags are those of VTK's polygon shaders. The passes of depth peeling read gl_FragDepth after PreColor
 // and gl_FragData[0] after Impl.
 const char* const surfaceShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
-uniform int treeamrLayer;
+flat in int treeamrLayer;
 uniform sampler2D treeamrRuns;
 uniform sampler2D treeamrColor;
 uniform sampler2D treeamrDepth;
@@ -218,20 +237,25 @@ bool isAmbientOcclusion(vtkOpenGLRenderPass* pass)
 void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
   const vtkTreeAMRSurfaceImage& image, bool geometry)
 {
-  this->Layers = image.Layers;
+  this->NumberOfTiles = image.NumberOfTiles;
   this->Geometry = geometry;
-  if (image.Layers == 0)
+  if (image.NumberOfTiles == 0)
   {
     return;
   }
-  constexpr int columns = vtkTreeAMRSurfaceImage::PointColumns;
+  this->TileSize[0] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / viewport.Width;
+  this->TileSize[1] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / viewport.Height;
+  constexpr int columns = vtkTreeAMRSurfaceImage::Columns;
+  const int rows = static_cast<int>(image.Depth.size() / columns);
+  this->Tiles.Upload(
+    window, columns, static_cast<int>(image.Tiles.size() / 3 / columns), 3, image.Tiles.data());
   this->Runs.Upload(window, viewport.Width, viewport.Height, 3, image.Runs.data());
-  this->Color.Upload(window, columns, image.PointRows, 4, image.RGBA.data());
-  this->Depth.Upload(window, columns, image.PointRows, 1, image.Depth.data());
+  this->Color.Upload(window, columns, rows, 4, image.RGBA.data());
+  this->Depth.Upload(window, columns, rows, 1, image.Depth.data());
   if (geometry)
   {
-    this->Position.Upload(window, columns, image.PointRows, 3, image.Position.data());
-    this->Normal.Upload(window, columns, image.PointRows, 3, image.Normal.data());
+    this->Position.Upload(window, columns, rows, 3, image.Position.data());
+    this->Normal.Upload(window, columns, rows, 3, image.Normal.data());
   }
 }
 
@@ -239,10 +263,16 @@ void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window, const vtkT
 void vtkTreeAMRSurfaceTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTreeAMRFloatTexture* texture :
-    { &this->Runs, &this->Color, &this->Depth, &this->Position, &this->Normal })
+    { &this->Tiles, &this->Runs, &this->Color, &this->Depth, &this->Position, &this->Normal })
   {
     texture->ReleaseGraphicsResources(window);
   }
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRFramebuffer::vtkTreeAMRFramebuffer()
+  : SurfaceQuads(surfaceVertexShader)
+{
 }
 
 //------------------------------------------------------------------------------
@@ -387,7 +417,7 @@ vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractM
 void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, vtkAbstractMapper* mapper,
   const vtkTreeAMRSurfaceTextures& textures)
 {
-  if (textures.Layers == 0)
+  if (textures.NumberOfTiles == 0)
   {
     return;
   }
@@ -423,6 +453,8 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
     state->vtkglDisable(GL_BLEND);
   }
 
+  program->SetUniform2f("treeamrTileSize", textures.TileSize);
+  const vtkTreeAMRFloatTexture::Binding tiles(textures.Tiles, program, "treeamrTiles");
   const vtkTreeAMRFloatTexture::Binding runs(textures.Runs, program, "treeamrRuns");
   const vtkTreeAMRFloatTexture::Binding color(textures.Color, program, "treeamrColor");
   const vtkTreeAMRFloatTexture::Binding depth(textures.Depth, program, "treeamrDepth");
@@ -433,11 +465,7 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
     position.emplace(textures.Position, program, "treeamrPosition");
     normal.emplace(textures.Normal, program, "treeamrNormal");
   }
-  for (int layer = textures.Layers - 1; layer >= 0; --layer)
-  {
-    program->SetUniformi("treeamrLayer", layer);
-    quad.Draw();
-  }
+  quad.Draw(textures.NumberOfTiles);
 }
 
 //------------------------------------------------------------------------------

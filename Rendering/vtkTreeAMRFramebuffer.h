@@ -27,14 +27,17 @@ struct vtkTreeAMRViewport
 };
 
 /// Surface points, any number behind each other in a pixel. Pixels come lower left first; the points of one follow
-/// each other, nearest first, in rows of PointColumns.
+/// each other, nearest first, in rows of Columns.
 struct vtkTreeAMRSurfaceImage
 {
-  static constexpr int PointColumns = 4096;
-  int PointRows = 0;       // the last is filled up with anything
-  int Layers = 0;          // most points of a pixel
-  std::vector<float> Runs; // of each pixel: column and row of its first point, number of its points
-  // Of each point:
+  static constexpr int Columns = 4096; // of points, and of tiles
+  static constexpr int TileSize = 32;  // pixels
+  // Column, row and layer of each tile with such a layer, far layers first; the last row is filled up.
+  int NumberOfTiles = 0;
+  std::vector<float> Tiles;
+  // Of each pixel: column and row of its first point, number of its points.
+  std::vector<float> Runs;
+  // Of each point; the last row is filled up.
   std::vector<float> RGBA;  // not premultiplied
   std::vector<float> Depth; // window depth
   // x, y, z in view coordinates; only when vtkTreeAMRFramebuffer::WantsGeometry()
@@ -54,8 +57,10 @@ public:
 
 private:
   friend class vtkTreeAMRFramebuffer;
-  int Layers = 0;
+  int NumberOfTiles = 0;
+  float TileSize[2] = { 0.f, 0.f }; // in texture coordinates
   bool Geometry = false;
+  vtkTreeAMRFloatTexture Tiles;
   vtkTreeAMRFloatTexture Runs;
   vtkTreeAMRFloatTexture Color;
   vtkTreeAMRFloatTexture Depth;
@@ -66,7 +71,7 @@ private:
 class vtkTreeAMRFramebuffer
 {
 public:
-  vtkTreeAMRFramebuffer() = default;
+  vtkTreeAMRFramebuffer();
   vtkTreeAMRFramebuffer(const vtkTreeAMRFramebuffer&) = delete;
   vtkTreeAMRFramebuffer& operator=(const vtkTreeAMRFramebuffer&) = delete;
 

@@ -481,7 +481,7 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
     // VTK's order independent pass would average them.
     std::vector<float> depth;
     internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
-    treeamr::flattenLayers(view.Hits, depth, internals.Image);
+    treeamr::flattenLayers(view.Hits, *view.Camera, depth, internals.Image);
   }
   const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.Actor);
   if (geometry)
