@@ -10,6 +10,7 @@
 #include "vtkMath.h"
 
 #include <algorithm>
+#include <mutex>
 
 namespace treeamr
 {
@@ -133,6 +134,34 @@ const std::shared_ptr<const Field>& FieldSlot::acquire(
     }
   }
   return field_;
+}
+
+std::shared_ptr<const Isosurface> acquireIsosurface(
+  const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues)
+{
+  struct Known
+  {
+    const Field* field; // lives as long as the surface
+    std::vector<double> isovalues;
+    std::weak_ptr<const Isosurface> surface;
+  };
+  static std::vector<Known> all;
+  static std::mutex mutex;
+  const std::scoped_lock lock(mutex);
+  std::erase_if(all, [](const Known& known) { return known.surface.expired(); });
+  for (const Known& known : all)
+  {
+    if (known.field == field.get() && known.isovalues == isovalues)
+    {
+      if (std::shared_ptr<const Isosurface> surface = known.surface.lock())
+      {
+        return surface;
+      }
+    }
+  }
+  auto surface = std::make_shared<const Isosurface>(field, isovalues);
+  all.push_back({ field.get(), isovalues, surface });
+  return surface;
 }
 
 void BoundsSlot::get(vtkHyperTreeGrid* grid, double bounds[6])

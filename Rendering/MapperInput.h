@@ -4,11 +4,14 @@
 
 #include "HyperTreeGridConverter.h"
 
+#include "RayTracing/Isosurface.h"
+
 #include "vtkType.h"
 
 #include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 class vtkHyperTreeGrid;
 
@@ -46,6 +49,10 @@ private:
   std::shared_ptr<const Field> field_;
   std::string failure_;
 };
+
+/// The surfaces of a field, shared by all who ask for the same. Throws Error as Isosurface.
+std::shared_ptr<const Isosurface> acquireIsosurface(
+  const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues);
 
 /// Local bounds, computed again only when the grid changes.
 class BoundsSlot

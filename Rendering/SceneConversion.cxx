@@ -12,6 +12,7 @@
 #include "vtkPiecewiseFunction.h"
 #include "vtkProp3D.h"
 #include "vtkProperty.h"
+#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkVolumeProperty.h"
 
@@ -142,6 +143,12 @@ Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
   return convertMatrix(matrix);
 }
 
+bool isInteractive(vtkRenderer* renderer)
+{
+  constexpr double slowest = 1.; // frames a second
+  return renderer->GetRenderWindow()->GetDesiredUpdateRate() >= slowest;
+}
+
 std::vector<Light> convertLights(vtkRenderer* renderer)
 {
   std::vector<Light> lights;
@@ -171,6 +178,8 @@ std::vector<Light> convertLights(vtkRenderer* renderer)
     converted.exponent = light->GetExponent();
     converted.attenuation = toVec3(light->GetAttenuationValues());
     converted.color = scaledColor(light->GetDiffuseColor(), light->GetIntensity());
+    // At the eye: its shadows are out of sight.
+    converted.castsShadows = !light->LightTypeIsHeadlight();
     lights.push_back(converted);
   }
   return lights;

@@ -23,6 +23,9 @@ Matrix4 worldFromData(vtkProp3D* prop);
 /// Data coordinates to clip space with z from -1 to 1. Honours an explicit projection (IceT sets one).
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop);
 
+/// Whether the window wants frames at a rate rather than the best picture.
+bool isInteractive(vtkRenderer* renderer);
+
 /// The lights that are switched on, in world coordinates.
 std::vector<Light> convertLights(vtkRenderer* renderer);
 /// Of an unlit property everything is in the ambient term.

@@ -1,4 +1,4 @@
-// From the hits of an isosurface to the pixels of a lit surface. Private to the module.
+// From the hits of an isosurface to the points of a lit surface. Private to the module.
 #pragma once
 
 #include "vtkTreeAMRFramebuffer.h"
@@ -6,7 +6,6 @@
 #include "RayTracing/Isosurface.h"
 #include "RayTracing/Shading.h"
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -26,17 +25,27 @@ struct SurfaceAppearance
   float diffuseOfColors = 1.f;
 };
 
-/// The hits' pixels x + width * y, in the order of the hits.
-std::vector<std::size_t> pixelsOfHits(const HitImage& hits);
+/// What secondary rays found; each may be empty.
+struct SurfaceVisibility
+{
+  std::vector<std::uint16_t> open; // of each hit's `samples` rays, how many meet nothing
+  int samples = 0;
+  std::vector<std::uint8_t> lit; // lit[l + lights * hit]
+};
 
 /// Values of a field at the hits; NaN where it has no cell.
 std::vector<float> valuesAtHits(
   const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits);
 
-/// Lights the nearest hits in world coordinates. colors: RGBA of each hit, or null. Fills RGBA and Depth of the
-/// image.
-void shadeHits(const HitImage& hits, const Camera& camera, const Matrix4& worldFromData,
-  const SurfaceAppearance& appearance, const unsigned char* colors, vtkTreeAMRSurfaceImage& image);
+/// Lights the hits in world coordinates. colors: RGBA of each hit, or null. The surface blocks light like
+/// a layer of its opacity. Fills all of the image but Position and Normal.
+void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
+  const SurfaceVisibility& visibility, const unsigned char* colors, vtkTreeAMRSurfaceImage& image);
+
+/// Makes one layer of all that lie before the window depths `depth` of the pixels, blended in their order, where
+/// the nearest is.
+void flattenLayers(
+  const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image);
 
 /// RGB of a hit. Called from several threads.
 using HitColor = std::function<std::array<float, 3>(const SurfaceHit&)>;

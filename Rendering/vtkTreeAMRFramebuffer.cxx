@@ -12,6 +12,7 @@
 #include "vtkRenderer.h"
 #include "vtkShaderProgram.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -28,25 +29,49 @@ void main()
 }
 )";
 
+// Only tiles with points are drawn, each as often as it has layers: a surface with many layers in a few places
+// costs little elsewhere.
+const char* const surfaceVertexShader = R"(//VTK::System::Dec
+in vec4 ndCoordIn;
+in vec2 texCoordIn;
+out vec2 texCoord;
+flat out int treeamrLayer;
+uniform sampler2D treeamrTiles;
+uniform vec2 treeamrTileSize;
+void main()
+{
+  int columns = textureSize(treeamrTiles, 0).x;
+  vec3 tile = texelFetch(treeamrTiles, ivec2(gl_InstanceID % columns, gl_InstanceID / columns), 0).xyz;
+  treeamrLayer = int(tile.z);
+  texCoord = min((tile.xy + texCoordIn) * treeamrTileSize, 1.0);
+  gl_Position = vec4(2.0 * texCoord - 1.0, ndCoordIn.z, 1.0);
+}
+)";
+
 // The tags are those of VTK's polygon shaders. The passes of depth peeling read gl_FragDepth after PreColor
 // and gl_FragData[0] after Impl.
 const char* const surfaceShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
+flat in int treeamrLayer;
+uniform sampler2D treeamrRuns;
 uniform sampler2D treeamrColor;
 uniform sampler2D treeamrDepth;
 //VTK::DepthPeeling::Dec
 //TreeAMR::Geometry::Dec
 void main()
 {
-  vec4 color = texture2D(treeamrColor, texCoord);
-  if (color.a <= 0.0)
+  vec3 run = texture2D(treeamrRuns, texCoord).xyz;
+  if (treeamrLayer >= int(run.z))
   {
     discard;
   }
-  gl_FragDepth = texture2D(treeamrDepth, texCoord).r;
+  int columns = textureSize(treeamrDepth, 0).x;
+  int column = int(run.x) + treeamrLayer;
+  ivec2 point = ivec2(column % columns, int(run.y) + column / columns);
+  gl_FragDepth = texelFetch(treeamrDepth, point, 0).r;
   //VTK::DepthPeeling::PreColor
-  gl_FragData[0] = color;
+  gl_FragData[0] = texelFetch(treeamrColor, point, 0);
   //TreeAMR::Geometry::Impl
   //VTK::DepthPeeling::Impl
 }
@@ -55,8 +80,8 @@ void main()
 const char* const geometryDeclarations = "uniform sampler2D treeamrPosition;\n"
                                          "uniform sampler2D treeamrNormal;\n";
 const char* const geometryOutputs =
-  "  gl_FragData[1] = vec4(texture2D(treeamrPosition, texCoord).xyz, 1.0);\n"
-  "  gl_FragData[2] = vec4(texture2D(treeamrNormal, texCoord).xyz, 1.0);\n";
+  "  gl_FragData[1] = vec4(texelFetch(treeamrPosition, point, 0).xyz, 1.0);\n"
+  "  gl_FragData[2] = vec4(texelFetch(treeamrNormal, point, 0).xyz, 1.0);\n";
 
 // Saves and restores what reading pixels touches. Raw OpenGL: vtkOpenGLState never learns of it.
 class PixelReadState
@@ -209,6 +234,48 @@ bool isAmbientOcclusion(vtkOpenGLRenderPass* pass)
 } // anonymous namespace
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
+  const vtkTreeAMRSurfaceImage& image, bool geometry)
+{
+  this->NumberOfTiles = image.NumberOfTiles;
+  this->Geometry = geometry;
+  if (image.NumberOfTiles == 0)
+  {
+    return;
+  }
+  this->TileSize[0] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / viewport.Width;
+  this->TileSize[1] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / viewport.Height;
+  constexpr int columns = vtkTreeAMRSurfaceImage::Columns;
+  const int rows = static_cast<int>(image.Depth.size() / columns);
+  this->Tiles.Upload(
+    window, columns, static_cast<int>(image.Tiles.size() / 3 / columns), 3, image.Tiles.data());
+  this->Runs.Upload(window, viewport.Width, viewport.Height, 3, image.Runs.data());
+  this->Color.Upload(window, columns, rows, 4, image.RGBA.data());
+  this->Depth.Upload(window, columns, rows, 1, image.Depth.data());
+  if (geometry)
+  {
+    this->Position.Upload(window, columns, rows, 3, image.Position.data());
+    this->Normal.Upload(window, columns, rows, 3, image.Normal.data());
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRSurfaceTextures::ReleaseGraphicsResources(vtkWindow* window)
+{
+  for (vtkTreeAMRFloatTexture* texture :
+    { &this->Tiles, &this->Runs, &this->Color, &this->Depth, &this->Position, &this->Normal })
+  {
+    texture->ReleaseGraphicsResources(window);
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRFramebuffer::vtkTreeAMRFramebuffer()
+  : SurfaceQuads(surfaceVertexShader)
+{
+}
+
+//------------------------------------------------------------------------------
 vtkOpenGLRenderWindow* vtkTreeAMRFramebuffer::GetWindow(vtkRenderer* renderer)
 {
   vtkRenderWindow* window = renderer ? renderer->GetRenderWindow() : nullptr;
@@ -311,14 +378,16 @@ void vtkTreeAMRFramebuffer::DrawOver(vtkRenderer* renderer, const vtkTreeAMRRayI
 //------------------------------------------------------------------------------
 bool vtkTreeAMRFramebuffer::WantsGeometry(vtkProp* prop)
 {
-  for (vtkOpenGLRenderPass* pass : getPasses(prop))
-  {
-    if (isAmbientOcclusion(pass))
-    {
-      return true;
-    }
-  }
-  return false;
+  const std::vector<vtkOpenGLRenderPass*> passes = getPasses(prop);
+  return std::any_of(passes.begin(), passes.end(), isAmbientOcclusion);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRFramebuffer::IsDepthPeeling(vtkProp* prop)
+{
+  const std::vector<vtkOpenGLRenderPass*> passes = getPasses(prop);
+  return std::any_of(passes.begin(), passes.end(),
+    [](vtkOpenGLRenderPass* pass) { return pass->IsA("vtkDepthPeelingPass") != 0; });
 }
 
 //------------------------------------------------------------------------------
@@ -346,19 +415,14 @@ vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractM
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, vtkAbstractMapper* mapper,
-  const vtkTreeAMRViewport& viewport, const vtkTreeAMRSurfaceImage& image)
+  const vtkTreeAMRSurfaceTextures& textures)
 {
+  if (textures.NumberOfTiles == 0)
+  {
+    return;
+  }
   vtkOpenGLRenderWindow* window = GetWindow(renderer);
   vtkOpenGLState* state = window->GetState();
-  const bool geometry = WantsGeometry(actor);
-  this->Color.Upload(window, viewport.Width, viewport.Height, 4, image.RGBA.data());
-  this->Depth.Upload(window, viewport.Width, viewport.Height, 1, image.Depth.data());
-  if (geometry)
-  {
-    this->Position.Upload(window, viewport.Width, viewport.Height, 3, image.Position.data());
-    this->Normal.Upload(window, viewport.Width, viewport.Height, 3, image.Normal.data());
-  }
-
   vtkTreeAMRQuad& quad = this->SurfaceQuad(actor, mapper);
   vtkShaderProgram* program = quad.Use(window);
   for (vtkOpenGLRenderPass* pass : getPasses(actor))
@@ -389,16 +453,19 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
     state->vtkglDisable(GL_BLEND);
   }
 
-  const vtkTreeAMRFloatTexture::Binding color(this->Color, program, "treeamrColor");
-  const vtkTreeAMRFloatTexture::Binding depth(this->Depth, program, "treeamrDepth");
+  program->SetUniform2f("treeamrTileSize", textures.TileSize);
+  const vtkTreeAMRFloatTexture::Binding tiles(textures.Tiles, program, "treeamrTiles");
+  const vtkTreeAMRFloatTexture::Binding runs(textures.Runs, program, "treeamrRuns");
+  const vtkTreeAMRFloatTexture::Binding color(textures.Color, program, "treeamrColor");
+  const vtkTreeAMRFloatTexture::Binding depth(textures.Depth, program, "treeamrDepth");
   std::optional<vtkTreeAMRFloatTexture::Binding> position;
   std::optional<vtkTreeAMRFloatTexture::Binding> normal;
-  if (geometry)
+  if (textures.Geometry)
   {
-    position.emplace(this->Position, program, "treeamrPosition");
-    normal.emplace(this->Normal, program, "treeamrNormal");
+    position.emplace(textures.Position, program, "treeamrPosition");
+    normal.emplace(textures.Normal, program, "treeamrNormal");
   }
-  quad.Draw();
+  quad.Draw(textures.NumberOfTiles);
 }
 
 //------------------------------------------------------------------------------
@@ -407,8 +474,4 @@ void vtkTreeAMRFramebuffer::ReleaseGraphicsResources(vtkWindow* window)
   this->OverQuads.ReleaseGraphicsResources();
   this->Over.ReleaseGraphicsResources(window);
   this->SurfaceQuads.ReleaseGraphicsResources();
-  this->Color.ReleaseGraphicsResources(window);
-  this->Depth.ReleaseGraphicsResources(window);
-  this->Position.ReleaseGraphicsResources(window);
-  this->Normal.ReleaseGraphicsResources(window);
 }

@@ -26,9 +26,18 @@ struct vtkTreeAMRViewport
   int Height = 0;
 };
 
-/// One surface point a pixel, lower left first; a pixel with alpha 0 has none.
+/// Surface points, any number behind each other in a pixel. Pixels come lower left first; the points of one follow
+/// each other, nearest first, in rows of Columns.
 struct vtkTreeAMRSurfaceImage
 {
+  static constexpr int Columns = 4096; // of points, and of tiles
+  static constexpr int TileSize = 32;  // pixels
+  // Column, row and layer of each tile with such a layer, far layers first; the last row is filled up.
+  int NumberOfTiles = 0;
+  std::vector<float> Tiles;
+  // Of each pixel: column and row of its first point, number of its points.
+  std::vector<float> Runs;
+  // Of each point; the last row is filled up.
   std::vector<float> RGBA;  // not premultiplied
   std::vector<float> Depth; // window depth
   // x, y, z in view coordinates; only when vtkTreeAMRFramebuffer::WantsGeometry()
@@ -36,10 +45,33 @@ struct vtkTreeAMRSurfaceImage
   std::vector<float> Normal;
 };
 
+/// A surface image on the graphics card, for all passes that draw it.
+class vtkTreeAMRSurfaceTextures
+{
+public:
+  /// Throws treeamr::Error.
+  void Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
+    const vtkTreeAMRSurfaceImage& image, bool geometry);
+  bool HasGeometry() const { return this->Geometry; }
+  void ReleaseGraphicsResources(vtkWindow* window);
+
+private:
+  friend class vtkTreeAMRFramebuffer;
+  int NumberOfTiles = 0;
+  float TileSize[2] = { 0.f, 0.f }; // in texture coordinates
+  bool Geometry = false;
+  vtkTreeAMRFloatTexture Tiles;
+  vtkTreeAMRFloatTexture Runs;
+  vtkTreeAMRFloatTexture Color;
+  vtkTreeAMRFloatTexture Depth;
+  vtkTreeAMRFloatTexture Position;
+  vtkTreeAMRFloatTexture Normal;
+};
+
 class vtkTreeAMRFramebuffer
 {
 public:
-  vtkTreeAMRFramebuffer() = default;
+  vtkTreeAMRFramebuffer();
   vtkTreeAMRFramebuffer(const vtkTreeAMRFramebuffer&) = delete;
   vtkTreeAMRFramebuffer& operator=(const vtkTreeAMRFramebuffer&) = delete;
 
@@ -61,10 +93,13 @@ public:
 
   /// Whether a pass around this prop's rendering takes positions and normals (vtkSSAOPass).
   static bool WantsGeometry(vtkProp* prop);
-  /// Draws with real depth: opaque pixels in the opaque pass; in the translucent pass by the protocol of the
-  /// pass (order independent or depth peeling), blended with the image's alpha. Throws Error.
+  /// Whether a pass around this actor's rendering sorts fragments by depth.
+  static bool IsDepthPeeling(vtkProp* prop);
+  /// Draws with real depth: opaque points in the opaque pass; in the translucent pass by the protocol of the
+  /// pass (order independent or depth peeling), blended with the image's alpha, back to front in each pixel.
+  /// Throws Error.
   void DrawSurface(vtkRenderer* renderer, vtkActor* actor, vtkAbstractMapper* mapper,
-    const vtkTreeAMRViewport& viewport, const vtkTreeAMRSurfaceImage& image);
+    const vtkTreeAMRSurfaceTextures& textures);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 
@@ -75,8 +110,4 @@ private:
   vtkTreeAMRRayTexture Over{ "treeamrImage" };
   // The passes rewrite the shader and have stages of their own: one program for each text they make.
   vtkTreeAMRQuadSet SurfaceQuads;
-  vtkTreeAMRFloatTexture Color;
-  vtkTreeAMRFloatTexture Depth;
-  vtkTreeAMRFloatTexture Position;
-  vtkTreeAMRFloatTexture Normal;
 };

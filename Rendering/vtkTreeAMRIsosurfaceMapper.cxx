@@ -6,12 +6,14 @@
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
-#include "RayTracing/Isosurface.h"
+#include "RayTracing/SecondaryRays.h"
+#include "RayTracing/SurfaceFrame.h"
 
 #include "vtkActor.h"
 #include "vtkCamera.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
+#include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
 #include "vtkFloatArray.h"
@@ -28,12 +30,64 @@
 #include "vtkSmartPointer.h"
 #include "vtkTimerLog.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkWeakPointer.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
+
+//------------------------------------------------------------------------------
+// One actor in one renderer. Its picture serves all passes of a frame (depth peeling), its hits all frames
+// until something moves.
+struct vtkTreeAMRIsosurfaceMapper::View
+{
+  vtkWeakPointer<vtkRenderer> Renderer;
+  vtkWeakPointer<vtkActor> Actor;
+  unsigned long FrameObserver = 0;
+
+  // What the hits are of.
+  std::shared_ptr<const treeamr::Isosurface> Surface;
+  treeamr::SurfaceLayers Layers = treeamr::SurfaceLayers::Nearest;
+  std::optional<treeamr::Camera> Camera;
+  treeamr::Matrix4 ClipFromData{};
+  treeamr::Matrix4 WorldFromData{};
+  vtkTreeAMRViewport Viewport;
+  treeamr::HitImage Hits;
+
+  // What is known of the hits besides.
+  std::shared_ptr<const treeamr::Field> ColorField;
+  std::vector<float> ColorValues;
+  treeamr::SurfaceVisibility Visibility;
+  double AmbientOcclusionRadius = 0.; // in the world
+  std::vector<treeamr::Light> ShadowLights;
+
+  vtkTreeAMRSurfaceTextures Picture;
+  bool PictureIsOfThisFrame = false;
+
+  View(vtkRenderer* renderer, vtkActor* actor)
+    : Renderer(renderer)
+    , Actor(actor)
+    , FrameObserver(renderer->AddObserver(vtkCommand::StartEvent, this, &View::StartFrame))
+  {
+  }
+  ~View()
+  {
+    if (this->Renderer)
+    {
+      this->Renderer->RemoveObserver(this->FrameObserver);
+    }
+  }
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+
+  void StartFrame() { this->PictureIsOfThisFrame = false; }
+  void UpdateHits(const std::shared_ptr<const treeamr::Isosurface>& surface);
+  /// World length of the longest diagonal of the grid's bounds.
+  double DiagonalOf(const treeamr::RootGrid& grid) const;
+};
 
 //------------------------------------------------------------------------------
 struct vtkTreeAMRIsosurfaceMapper::Internals
@@ -46,22 +100,18 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   treeamr::OnceReporter Warnings;
 
   std::shared_ptr<const treeamr::Field> Field;
-  std::unique_ptr<treeamr::Isosurface> Surface; // of this field
+  std::vector<double> Isovalues;
+  std::shared_ptr<const treeamr::Isosurface> Surface; // of these isovalues of this field
   treeamr::ArraySelection Contoured;
   vtkTimeStamp SurfaceTime;
 
-  // Passes of one frame (depth peeling, selection) and changes of colour draw the same hits again.
-  std::optional<treeamr::Camera> Camera;
-  treeamr::Matrix4 ClipFromData{};
-  treeamr::Matrix4 WorldFromData{};
-  vtkTreeAMRViewport Viewport;
-  vtkMTimeType SurfaceTimeOfHits = 0;
-  treeamr::HitImage Hits;
-  vtkTreeAMRSurfaceImage Image;
+  std::vector<std::unique_ptr<View>> Views;
+  vtkTreeAMRSurfaceImage Image; // on its way to the graphics card
 
+  View& ViewOf(vtkMapper* self, vtkRenderer* renderer, vtkActor* actor);
   /// RGBA of each hit; null: the solid colour.
-  vtkSmartPointer<vtkUnsignedCharArray> MapColors(vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid);
-  void PlaceForAmbientOcclusion(vtkRenderer* renderer, vtkActor* actor);
+  vtkSmartPointer<vtkUnsignedCharArray> MapColors(
+    vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid, View& view);
 };
 
 //------------------------------------------------------------------------------
@@ -77,9 +127,12 @@ vtkTreeAMRIsosurfaceMapper::~vtkTreeAMRIsosurfaceMapper() = default;
 void vtkTreeAMRIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Isovalue: " << this->Isovalue << endl;
+  this->ContourValues->PrintSelf(os, indent);
   os << indent << "IsosurfaceComponent: " << this->IsosurfaceComponent << endl;
   os << indent << "CompositeIndex: " << this->CompositeIndex << endl;
+  os << indent << "AmbientOcclusionSamples: " << this->AmbientOcclusionSamples << endl;
+  os << indent << "AmbientOcclusionRadius: " << this->AmbientOcclusionRadius << endl;
+  os << indent << "Shadows: " << this->Shadows << endl;
   os << indent << "NumberOfPrimitives: " << this->GetNumberOfPrimitives() << endl;
 }
 
@@ -102,6 +155,60 @@ vtkHyperTreeGrid* vtkTreeAMRIsosurfaceMapper::GetHyperTreeGrid()
   return this->GetNumberOfInputConnections(0) < 1
     ? nullptr
     : vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(0, 0));
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetValue(int i, double value)
+{
+  this->ContourValues->SetValue(i, value);
+}
+
+//------------------------------------------------------------------------------
+double vtkTreeAMRIsosurfaceMapper::GetValue(int i)
+{
+  return this->ContourValues->GetValue(i);
+}
+
+//------------------------------------------------------------------------------
+double* vtkTreeAMRIsosurfaceMapper::GetValues()
+{
+  return this->ContourValues->GetValues();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::GetValues(double* values)
+{
+  this->ContourValues->GetValues(values);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetNumberOfContours(int number)
+{
+  this->ContourValues->SetNumberOfContours(number);
+}
+
+//------------------------------------------------------------------------------
+vtkIdType vtkTreeAMRIsosurfaceMapper::GetNumberOfContours()
+{
+  return this->ContourValues->GetNumberOfContours();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::GenerateValues(int number, double range[2])
+{
+  this->ContourValues->GenerateValues(number, range);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::GenerateValues(int number, double rangeStart, double rangeEnd)
+{
+  this->ContourValues->GenerateValues(number, rangeStart, rangeEnd);
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkTreeAMRIsosurfaceMapper::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
 }
 
 //------------------------------------------------------------------------------
@@ -157,44 +264,92 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
 
   Internals& internals = *this->Private;
   const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured, true);
-  if (!internals.Surface || internals.Field != field ||
-    internals.Surface->isovalues().front() != this->Isovalue)
+  std::vector<double> isovalues(this->GetNumberOfContours());
+  this->GetValues(isovalues.data());
+  if (!internals.Surface || internals.Field != field || internals.Isovalues != isovalues)
   {
-    internals.Surface = std::make_unique<treeamr::Isosurface>(field, std::vector<double>{ this->Isovalue });
+    internals.Surface.reset();
+    if (!isovalues.empty())
+    {
+      internals.Surface = treeamr::acquireIsosurface(field, isovalues);
+      internals.SurfaceTime.Modified();
+    }
     internals.Field = field;
-    internals.SurfaceTime.Modified();
+    internals.Isovalues = isovalues;
   }
   internals.Contoured = contoured;
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::UpdateHits(vtkRenderer* renderer, vtkActor* actor)
+vtkTreeAMRIsosurfaceMapper::View& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
+  vtkMapper* self, vtkRenderer* renderer, vtkActor* actor)
 {
-  Internals& internals = *this->Private;
-  internals.Viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
-  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, actor);
-  const treeamr::Matrix4 worldFromData = treeamr::worldFromData(actor);
-  if (internals.Camera && internals.Camera->width() == internals.Viewport.Width &&
-    internals.Camera->height() == internals.Viewport.Height && internals.ClipFromData == clipFromData &&
-    internals.WorldFromData == worldFromData &&
-    internals.SurfaceTimeOfHits == internals.SurfaceTime.GetMTime())
+  std::erase_if(this->Views, [self](const std::unique_ptr<View>& view) {
+    return !view->Renderer || !view->Actor || view->Actor->GetMapper() != self;
+  });
+  for (const std::unique_ptr<View>& view : this->Views)
+  {
+    if (view->Renderer == renderer && view->Actor == actor)
+    {
+      return *view;
+    }
+  }
+  this->Views.push_back(std::make_unique<View>(renderer, actor));
+  return *this->Views.back();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::View::UpdateHits(const std::shared_ptr<const treeamr::Isosurface>& surface)
+{
+  this->Viewport = vtkTreeAMRFramebuffer::GetViewport(this->Renderer);
+  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(this->Renderer, this->Actor);
+  const treeamr::Matrix4 worldFromData = treeamr::worldFromData(this->Actor);
+  const treeamr::SurfaceLayers layers = this->Actor->IsRenderingTranslucentPolygonalGeometry()
+    ? treeamr::SurfaceLayers::All
+    : treeamr::SurfaceLayers::Nearest;
+  if (this->Camera && this->Camera->width() == this->Viewport.Width &&
+    this->Camera->height() == this->Viewport.Height && this->ClipFromData == clipFromData &&
+    this->WorldFromData == worldFromData && this->Surface == surface && this->Layers == layers)
   {
     return;
   }
-  internals.Camera.reset();
-  internals.ClipFromData = clipFromData;
-  internals.WorldFromData = worldFromData;
-  const treeamr::Camera camera(
-    clipFromData, worldFromData, internals.Viewport.Width, internals.Viewport.Height);
-  internals.Surface->startFrame();
-  internals.Surface->render(camera, treeamr::SurfaceLayers::Nearest, internals.Hits);
-  internals.SurfaceTimeOfHits = internals.SurfaceTime.GetMTime();
-  internals.Camera = camera;
+  this->Camera.reset();
+  this->PictureIsOfThisFrame = false;
+  this->ColorField.reset();
+  this->Visibility = {};
+  this->ShadowLights.clear();
+  this->ClipFromData = clipFromData;
+  this->WorldFromData = worldFromData;
+  this->Surface = surface;
+  this->Layers = layers;
+  const treeamr::Camera camera(clipFromData, worldFromData, this->Viewport.Width, this->Viewport.Height);
+  surface->startFrame();
+  surface->render(camera, layers, this->Hits);
+  this->Camera = camera;
+}
+
+//------------------------------------------------------------------------------
+double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& grid) const
+{
+  const treeamr::SurfaceFrame frame(this->WorldFromData);
+  const treeamr::Bounds bounds = grid.bounds();
+  double longest = 0.;
+  for (int corner = 0; corner < 4; ++corner)
+  {
+    treeamr::Vec3 diagonal;
+    for (int a = 0; a < 3; ++a)
+    {
+      diagonal[a] = (corner >> a & 1 ? -1. : 1.) * (bounds.max[a] - bounds.min[a]);
+    }
+    const treeamr::Vec3 inWorld = frame.worldVector(diagonal);
+    longest = std::max(longest, std::sqrt(treeamr::dot(inWorld, inWorld)));
+  }
+  return longest;
 }
 
 //------------------------------------------------------------------------------
 vtkSmartPointer<vtkUnsignedCharArray> vtkTreeAMRIsosurfaceMapper::Internals::MapColors(
-  vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid)
+  vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid, View& view)
 {
   if (!self->ScalarVisibility)
   {
@@ -237,21 +392,27 @@ vtkSmartPointer<vtkUnsignedCharArray> vtkTreeAMRIsosurfaceMapper::Internals::Map
     selection.component = -1;
   }
 
-  std::vector<float> values;
+  vtkNew<vtkFloatArray> scalars;
   if (selection.name == this->Contoured.name && selection.component == this->Contoured.component)
   {
-    for (const treeamr::SurfaceHit& hit : this->Hits.hits)
+    scalars->SetNumberOfValues(static_cast<vtkIdType>(view.Hits.hits.size()));
+    for (std::size_t i = 0; i < view.Hits.hits.size(); ++i)
     {
-      values.push_back(static_cast<float>(this->Surface->isovalues()[hit.surface]));
+      scalars->SetValue(
+        static_cast<vtkIdType>(i), static_cast<float>(this->Surface->isovalues()[view.Hits.hits[i].surface]));
     }
   }
   else
   {
-    values =
-      treeamr::valuesAtHits(this->ColorSlot.acquire(grid, selection, false), *this->Camera, this->Hits);
+    const std::shared_ptr<const treeamr::Field>& field = this->ColorSlot.acquire(grid, selection, false);
+    if (view.ColorField != field)
+    {
+      view.ColorValues = treeamr::valuesAtHits(field, *view.Camera, view.Hits);
+      view.ColorField = field;
+    }
+    scalars->SetArray(
+      view.ColorValues.data(), static_cast<vtkIdType>(view.ColorValues.size()), 1); // 1: stays ours
   }
-  vtkNew<vtkFloatArray> scalars;
-  scalars->SetArray(values.data(), static_cast<vtkIdType>(values.size()), 1); // 1: stays ours
 
   if (!self->UseLookupTableScalarRange)
   {
@@ -263,15 +424,79 @@ vtkSmartPointer<vtkUnsignedCharArray> vtkTreeAMRIsosurfaceMapper::Internals::Map
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::Internals::PlaceForAmbientOcclusion(vtkRenderer* renderer, vtkActor* actor)
+void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<treeamr::Light>& lights)
 {
-  if (vtkTreeAMRFramebuffer::WantsGeometry(actor))
+  treeamr::SurfaceVisibility& visibility = view.Visibility;
+  const double radius = this->AmbientOcclusionRadius * view.DiagonalOf(this->Private->Field->octree().grid());
+  if (radius != view.AmbientOcclusionRadius || visibility.samples > this->AmbientOcclusionSamples)
   {
-    vtkNew<vtkMatrix4x4> matrix;
-    actor->GetMatrix(matrix);
-    vtkMatrix4x4::Multiply4x4(renderer->GetActiveCamera()->GetViewTransformMatrix(), matrix, matrix);
-    treeamr::placeHits(this->Hits, *this->Camera, treeamr::convertMatrix(matrix), this->Image);
+    visibility.open.clear();
+    visibility.samples = 0;
   }
+  view.AmbientOcclusionRadius = radius;
+  const int end = treeamr::isInteractive(view.Renderer)
+    ? std::min(visibility.samples + InteractiveSamples, this->AmbientOcclusionSamples)
+    : this->AmbientOcclusionSamples;
+  if (end > visibility.samples)
+  {
+    visibility.open.resize(view.Hits.hits.size());
+    treeamr::traceAmbientOcclusion(
+      *view.Surface, *view.Camera, view.Hits, radius, visibility.samples, end, visibility.open);
+    visibility.samples = end;
+  }
+
+  if (!this->Shadows)
+  {
+    visibility.lit.clear();
+    view.ShadowLights.clear();
+  }
+  else if (view.ShadowLights != lights)
+  {
+    treeamr::traceShadows(*view.Surface, *view.Camera, view.Hits, lights, visibility.lit);
+    view.ShadowLights = lights;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
+{
+  Internals& internals = *this->Private;
+  vtkProperty* property = view.Actor->GetProperty();
+  treeamr::SurfaceAppearance appearance;
+  appearance.material = treeamr::convertMaterial(property);
+  appearance.lights = treeamr::convertLights(view.Renderer);
+  appearance.opacity =
+    view.Layers == treeamr::SurfaceLayers::All ? static_cast<float>(property->GetOpacity()) : 1.f;
+  appearance.ambientOfColors = static_cast<float>(
+    property->GetLighting() ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());
+  appearance.diffuseOfColors = static_cast<float>(property->GetLighting() ? property->GetDiffuse() : 0.);
+  if (property->GetLighting())
+  {
+    this->TraceVisibility(view, appearance.lights);
+  }
+
+  const vtkSmartPointer<vtkUnsignedCharArray> colors = internals.MapColors(this, grid, view);
+  treeamr::shadeHits(view.Hits, *view.Camera, appearance,
+    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(),
+    colors ? colors->GetPointer(0) : nullptr, internals.Image);
+  if (view.Layers == treeamr::SurfaceLayers::All && !vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
+  {
+    // VTK's order independent pass would average them.
+    std::vector<float> depth;
+    internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
+    treeamr::flattenLayers(view.Hits, *view.Camera, depth, internals.Image);
+  }
+  const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.Actor);
+  if (geometry)
+  {
+    vtkNew<vtkMatrix4x4> viewFromData;
+    view.Actor->GetMatrix(viewFromData);
+    vtkMatrix4x4::Multiply4x4(
+      view.Renderer->GetActiveCamera()->GetViewTransformMatrix(), viewFromData, viewFromData);
+    treeamr::placeHits(view.Hits, *view.Camera, treeamr::convertMatrix(viewFromData), internals.Image);
+  }
+  view.Picture.Upload(
+    vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Viewport, internals.Image, geometry);
 }
 
 //------------------------------------------------------------------------------
@@ -285,35 +510,30 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   }
   vtkHyperTreeGrid* grid = this->UpdateInput();
   this->UpdateSurface(grid);
-  this->UpdateHits(renderer, actor);
-  if (renderer->GetSelector())
+  if (!internals.Surface)
   {
-    this->Select(renderer, actor);
     return;
   }
-
-  vtkProperty* property = actor->GetProperty();
-  treeamr::SurfaceAppearance appearance;
-  appearance.material = treeamr::convertMaterial(property);
-  appearance.lights = treeamr::convertLights(renderer);
-  appearance.opacity =
-    actor->IsRenderingTranslucentPolygonalGeometry() ? static_cast<float>(property->GetOpacity()) : 1.f;
-  appearance.ambientOfColors = static_cast<float>(
-    property->GetLighting() ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());
-  appearance.diffuseOfColors = static_cast<float>(property->GetLighting() ? property->GetDiffuse() : 0.);
-
-  const vtkSmartPointer<vtkUnsignedCharArray> colors = internals.MapColors(this, grid);
-  treeamr::shadeHits(internals.Hits, *internals.Camera, internals.WorldFromData, appearance,
-    colors ? colors->GetPointer(0) : nullptr, internals.Image);
-  internals.PlaceForAmbientOcclusion(renderer, actor);
-  internals.Framebuffer.DrawSurface(renderer, actor, this, internals.Viewport, internals.Image);
+  View& view = internals.ViewOf(this, renderer, actor);
+  view.UpdateHits(internals.Surface);
+  if (renderer->GetSelector())
+  {
+    this->Select(view);
+    return;
+  }
+  if (!view.PictureIsOfThisFrame || view.Picture.HasGeometry() != vtkTreeAMRFramebuffer::WantsGeometry(actor))
+  {
+    this->Shade(view, grid);
+    view.PictureIsOfThisFrame = true;
+  }
+  internals.Framebuffer.DrawSurface(renderer, actor, this, view.Picture);
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::Select(vtkRenderer* renderer, vtkActor* actor)
+void vtkTreeAMRIsosurfaceMapper::Select(View& view)
 {
   Internals& internals = *this->Private;
-  vtkHardwareSelector* selector = renderer->GetSelector();
+  vtkHardwareSelector* selector = view.Renderer->GetSelector();
   if (selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_POINTS)
   {
     return; // there are none; those behind are hidden by the depths that the selector draws first
@@ -356,13 +576,15 @@ void vtkTreeAMRIsosurfaceMapper::Select(vtkRenderer* renderer, vtkActor* actor)
     {
       return ofProp;
     }
-    const vtkIdType id = treeamr::globalIndex(*grid, internals.Surface->cell(hit));
+    const vtkIdType id = treeamr::globalIndex(*grid, view.Surface->cell(hit));
     std::array<float, 3> rgb;
     vtkHardwareSelector::Convert(low ? id : id >> 24, rgb.data());
     return rgb;
   };
-  treeamr::fillHits(internals.Hits, *internals.Camera, color, internals.Image);
-  internals.Framebuffer.DrawSurface(renderer, actor, this, internals.Viewport, internals.Image);
+  treeamr::fillHits(view.Hits, *view.Camera, color, internals.Image);
+  view.PictureIsOfThisFrame = false;
+  view.Picture.Upload(vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Viewport, internals.Image, false);
+  internals.Framebuffer.DrawSurface(view.Renderer, view.Actor, this, view.Picture);
 }
 
 //------------------------------------------------------------------------------
@@ -393,4 +615,9 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
 void vtkTreeAMRIsosurfaceMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Private->Framebuffer.ReleaseGraphicsResources(window);
+  for (const std::unique_ptr<View>& view : this->Private->Views)
+  {
+    view->Picture.ReleaseGraphicsResources(window);
+    view->PictureIsOfThisFrame = false;
+  }
 }

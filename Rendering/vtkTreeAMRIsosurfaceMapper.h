@@ -1,18 +1,30 @@
 /**
  * @class   vtkTreeAMRIsosurfaceMapper
- * @brief   ray-traces an isosurface of a vtkHyperTreeGrid on the CPU
+ * @brief   ray-traces isosurfaces of a vtkHyperTreeGrid on the CPU
  *
- * The surface is implicit: the points where the generalized trilinear interpolation of the cells' values (see
- * Core/Interpolation) equals Isovalue, without cracks at refinement levels and without triangles. The
+ * The surfaces are implicit: the points where the generalized trilinear interpolation of the cells' values (see
+ * Core/Interpolation) equals one of the values, without cracks at refinement levels and without triangles. The
  * contoured array is SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name); unset it
  * is the active scalars or, when there are none, the first cell array.
  *
  * The actor's vtkProperty and the renderer's lights shade it as they shade polygons. It is coloured by an
  * array through vtkMapper's ScalarVisibility, ScalarMode, SelectColorArray() and LookupTable; arrays of
  * colours (direct scalars) are mapped like all others, and an array that does not exist leaves the solid
- * colour, with a warning. Real depth is written: the surface meets polygons and volumes correctly.
+ * colour, with a warning. Coloured by the contoured array each surface has the colour of its value. Real depth is
+ * written: the surface meets polygons and volumes correctly.
  *
- * Opacity below 1 shows the nearest layer of the surface translucent; layers behind it are not drawn yet.
+ * An actor of opacity below 1 shows all layers of the surfaces. With depth peeling they are sorted among themselves
+ * and with all other translucent geometry and the volumes of this module; each layer takes a peel, and two layers
+ * nearer than the depth buffer can tell are one. Without it the layers before what is opaque are blended in
+ * their order and count as one, at the nearest, for VTK's order independent pass.
+ *
+ * Ambient occlusion and shadows are traced, with all the mapper's surfaces as obstacles and nothing else of the
+ * scene. A translucent surface takes away the part of the light that its opacity says, once. Unlit properties have
+ * neither.
+ *
+ * Actors may share a mapper, and mappers a grid: the data and the surfaces are there once, and each actor has its
+ * own matrix, mirrored ones included.
+ *
  * Hardware selection gives the cells that the surface is seen in, as indices into the grid's cell arrays; a
  * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker) find
  * points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect data
@@ -24,12 +36,20 @@
 #define vtkTreeAMRIsosurfaceMapper_h
 
 #include "vtkMapper.h"
+#include "vtkNew.h"                    // for ContourValues
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 
 #include <memory> // for std::unique_ptr
 #include <string> // for std::string
+#include <vector> // for std::vector
 
+class vtkContourValues;
 class vtkHyperTreeGrid;
+
+namespace treeamr
+{
+struct Light;
+}
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRIsosurfaceMapper : public vtkMapper
 {
@@ -42,9 +62,15 @@ public:
   vtkHyperTreeGrid* GetHyperTreeGrid();
 
   ///@{
-  /// Default 0.
-  vtkSetMacro(Isovalue, double);
-  vtkGetMacro(Isovalue, double);
+  /// The isovalues, as vtkContourValues has them: by default one, 0. Without any nothing is drawn.
+  void SetValue(int i, double value);
+  double GetValue(int i);
+  double* GetValues() VTK_SIZEHINT(GetNumberOfContours());
+  void GetValues(double* values);
+  void SetNumberOfContours(int number);
+  vtkIdType GetNumberOfContours();
+  void GenerateValues(int number, double range[2]);
+  void GenerateValues(int number, double rangeStart, double rangeEnd);
   ///@}
   ///@{
   /// Component of the contoured array; -1, the default, for the magnitude (of a scalar array the value).
@@ -60,7 +86,31 @@ public:
   ///@}
 
   ///@{
-  /// Octants that the surface in use passes through, and when it was made; 0 before the first.
+  /// Rays from each surface point of the picture into the half space before it; where they meet a surface within
+  /// AmbientOcclusionRadius the point gets darker, as with vtkSSAOPass. 0, the default, for none; 65535 at most.
+  ///
+  /// A still frame traces all of them. Of an interactive one (the window's desired update rate is 1 or more) each
+  /// pixel traces InteractiveSamples; as long as camera, actor and surfaces stay, frames add theirs to those
+  /// before, so that after AmbientOcclusionSamples / InteractiveSamples frames of either kind, or one still frame,
+  /// the picture is the same.
+  vtkSetClampMacro(AmbientOcclusionSamples, int, 0, 65535);
+  vtkGetMacro(AmbientOcclusionSamples, int);
+  static constexpr int InteractiveSamples = 2;
+  ///@}
+  ///@{
+  /// Part of the diagonal of the grid's bounds, as large as the actor shows it. Default 0.05.
+  vtkSetClampMacro(AmbientOcclusionRadius, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(AmbientOcclusionRadius, double);
+  ///@}
+  ///@{
+  /// Shadows of the surfaces on themselves from all lights but headlights, which are at the eye. Default off.
+  vtkSetMacro(Shadows, bool);
+  vtkGetMacro(Shadows, bool);
+  vtkBooleanMacro(Shadows, bool);
+  ///@}
+
+  ///@{
+  /// Octants that the surfaces in use pass through, and when the mapper got them; 0 before the first.
   vtkIdType GetNumberOfPrimitives();
   vtkMTimeType GetSurfaceBuildTime();
   ///@}
@@ -69,6 +119,8 @@ public:
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
 
+  /// Changes with the isovalues, too.
+  vtkMTimeType GetMTime() override;
   void Render(vtkRenderer* renderer, vtkActor* actor) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
   bool GetSupportsSelection() override { return true; }
@@ -79,18 +131,23 @@ protected:
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
 
-  double Isovalue = 0.;
+  vtkNew<vtkContourValues> ContourValues;
   int IsosurfaceComponent = -1;
   unsigned int CompositeIndex = 1;
+  int AmbientOcclusionSamples = 0;
+  double AmbientOcclusionRadius = 0.05;
+  bool Shadows = false;
 
 private:
+  struct View;
   struct Internals;
 
   vtkHyperTreeGrid* UpdateInput();
   void UpdateSurface(vtkHyperTreeGrid* grid);
-  void UpdateHits(vtkRenderer* renderer, vtkActor* actor);
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
-  void Select(vtkRenderer* renderer, vtkActor* actor);
+  void Shade(View& view, vtkHyperTreeGrid* grid);
+  void TraceVisibility(View& view, const std::vector<treeamr::Light>& lights);
+  void Select(View& view);
   void Warn(const std::string& message);
 
   std::unique_ptr<Internals> Private;

@@ -15,8 +15,9 @@
 #include <utility>
 
 //------------------------------------------------------------------------------
-vtkTreeAMRQuad::vtkTreeAMRQuad(std::string fragmentShader)
+vtkTreeAMRQuad::vtkTreeAMRQuad(std::string fragmentShader, std::string vertexShader)
   : FragmentShader(std::move(fragmentShader))
+  , VertexShader(std::move(vertexShader))
 {
 }
 
@@ -33,8 +34,9 @@ vtkShaderProgram* vtkTreeAMRQuad::Use(vtkOpenGLRenderWindow* window)
   if (!this->Helper)
   {
     this->Window = window;
-    this->Helper =
-      std::make_unique<vtkOpenGLQuadHelper>(window, nullptr, this->FragmentShader.c_str(), nullptr);
+    this->Helper = std::make_unique<vtkOpenGLQuadHelper>(window,
+      this->VertexShader.empty() ? nullptr : this->VertexShader.c_str(), this->FragmentShader.c_str(),
+      nullptr);
   }
   else
   {
@@ -43,7 +45,7 @@ vtkShaderProgram* vtkTreeAMRQuad::Use(vtkOpenGLRenderWindow* window)
   if (!this->Helper->Program || !this->Helper->Program->GetCompiled())
   {
     this->ReleaseGraphicsResources();
-    throw treeamr::Error("framebuffer: the OpenGL driver refused a fragment shader");
+    throw treeamr::Error("framebuffer: the OpenGL driver refused a shader");
   }
   return this->Helper->Program;
 }
@@ -55,12 +57,14 @@ vtkOpenGLVertexArrayObject* vtkTreeAMRQuad::GetVertexArray()
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRQuad::Draw()
+void vtkTreeAMRQuad::Draw(int instances)
 {
   vtkOpenGLState* state = this->Window->GetState();
   vtkOpenGLState::ScopedglEnableDisable cullFace(state, GL_CULL_FACE);
   state->vtkglDisable(GL_CULL_FACE);
-  this->Helper->Render();
+  this->Helper->VAO->Bind();
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, instances);
+  this->Helper->VAO->Release();
 }
 
 //------------------------------------------------------------------------------
@@ -71,12 +75,18 @@ void vtkTreeAMRQuad::ReleaseGraphicsResources()
 }
 
 //------------------------------------------------------------------------------
+vtkTreeAMRQuadSet::vtkTreeAMRQuadSet(std::string vertexShader)
+  : VertexShader(std::move(vertexShader))
+{
+}
+
+//------------------------------------------------------------------------------
 vtkTreeAMRQuad& vtkTreeAMRQuadSet::Get(const std::string& fragmentShader)
 {
   std::unique_ptr<vtkTreeAMRQuad>& quad = this->Quads[fragmentShader];
   if (!quad)
   {
-    quad = std::make_unique<vtkTreeAMRQuad>(fragmentShader);
+    quad = std::make_unique<vtkTreeAMRQuad>(fragmentShader, this->VertexShader);
   }
   return *quad;
 }
@@ -125,7 +135,7 @@ void vtkTreeAMRFloatTexture::ReleaseGraphicsResources(vtkWindow* window)
 
 //------------------------------------------------------------------------------
 vtkTreeAMRFloatTexture::Binding::Binding(
-  vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name)
+  const vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name)
   : Texture(texture.Texture)
 {
   this->Texture->Activate();

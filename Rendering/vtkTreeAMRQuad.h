@@ -21,8 +21,10 @@ class vtkWindow;
 class vtkTreeAMRQuad
 {
 public:
-  /// The shader sees `in vec2 texCoord` and holds the tags //VTK::System::Dec and //VTK::Output::Dec.
-  explicit vtkTreeAMRQuad(std::string fragmentShader);
+  /// The shaders hold the tags //VTK::System::Dec and //VTK::Output::Dec. The vertex shader turns `vec4 ndCoordIn`
+  /// and `vec2 texCoordIn` of the quad over the viewport into gl_Position and `vec2 texCoord`; when empty it is VTK's,
+  /// that copies them.
+  explicit vtkTreeAMRQuad(std::string fragmentShader, std::string vertexShader = {});
   ~vtkTreeAMRQuad();
   vtkTreeAMRQuad(const vtkTreeAMRQuad&) = delete;
   vtkTreeAMRQuad& operator=(const vtkTreeAMRQuad&) = delete;
@@ -31,23 +33,26 @@ public:
   vtkShaderProgram* Use(vtkOpenGLRenderWindow* window);
   vtkOpenGLVertexArrayObject* GetVertexArray();
   /// With the current program and state; only culling is switched off, for the pass may have it on.
-  void Draw();
+  void Draw(int instances = 1);
   void ReleaseGraphicsResources();
 
 private:
   std::string FragmentShader;
+  std::string VertexShader;
   std::unique_ptr<vtkOpenGLQuadHelper> Helper;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
 };
 
-/// Quads by their fragment shaders, made when first asked for.
+/// Quads by their fragment shaders, made when first asked for, with the same vertex shader.
 class vtkTreeAMRQuadSet
 {
 public:
+  explicit vtkTreeAMRQuadSet(std::string vertexShader = {});
   vtkTreeAMRQuad& Get(const std::string& fragmentShader);
   void ReleaseGraphicsResources();
 
 private:
+  std::string VertexShader;
   std::map<std::string, std::unique_ptr<vtkTreeAMRQuad>> Quads;
 };
 
@@ -68,7 +73,7 @@ public:
   class Binding
   {
   public:
-    Binding(vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name);
+    Binding(const vtkTreeAMRFloatTexture& texture, vtkShaderProgram* program, const char* name);
     ~Binding();
     Binding(const Binding&) = delete;
     Binding& operator=(const Binding&) = delete;

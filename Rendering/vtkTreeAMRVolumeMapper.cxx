@@ -38,9 +38,6 @@ vtkStandardNewMacro(vtkTreeAMRVolumeMapper);
 namespace
 {
 
-/// Frames a second from which on a window is taken to be interactive: less than a second a frame.
-constexpr double interactiveUpdateRate = 1.;
-
 /// What a frame did. Depth peeling draws one in many parts.
 struct Frame
 {
@@ -378,7 +375,7 @@ void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume
   {
     treeamr::SampleDistanceControl& control = internals.SampleDistances[frame.Of];
     frame.ImageSampleDistance = this->MinimumImageSampleDistance;
-    frame.Interactive = renderer->GetRenderWindow()->GetDesiredUpdateRate() >= interactiveUpdateRate;
+    frame.Interactive = treeamr::isInteractive(renderer);
     if (frame.Interactive)
     {
       const double seconds =

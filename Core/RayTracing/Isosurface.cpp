@@ -429,7 +429,7 @@ IsosurfaceStatistics Isosurface::statistics() const
   return statistics;
 }
 
-void Isosurface::startFrame()
+void Isosurface::startFrame() const
 {
   impl_->blocks.startFrame();
 }

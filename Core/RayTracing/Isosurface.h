@@ -67,7 +67,7 @@ public:
   IsosurfaceStatistics statistics() const;
 
   /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is short.
-  void startFrame();
+  void startFrame() const;
 
   /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.
   bool intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const;

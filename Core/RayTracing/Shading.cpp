@@ -1,5 +1,7 @@
 #include "RayTracing/Shading.h"
 
+#include "RayTracing/SurfaceFrame.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,11 +11,6 @@ namespace treeamr
 
 namespace
 {
-
-double dot(const Vec3& a, const Vec3& b) noexcept
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// Unit direction in which the light travels at the point, and how much of it arrives.
 Vec3 incoming(const Light& light, const Vec3& point, double& arrives) noexcept
@@ -52,7 +49,7 @@ Vec3 incoming(const Light& light, const Vec3& point, double& arrives) noexcept
 } // namespace
 
 std::array<float, 3> shade(const Material& material, const std::vector<Light>& lights, const Vec3& point,
-  const Vec3& normal, const Vec3& toEye) noexcept
+  const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit, float opacity) noexcept
 {
   Vec3 n = normal;
   if (dot(n, toEye) < 0.)
@@ -63,12 +60,14 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     }
   }
   std::array<double, 3> sum{ material.ambient[0], material.ambient[1], material.ambient[2] };
-  for (const Light& light : lights)
+  for (std::size_t l = 0; l < lights.size(); ++l)
   {
-    double arrives;
-    const Vec3 travels = incoming(light, point, arrives);
+    const Light& light = lights[l];
+    double strength;
+    const Vec3 travels = incoming(light, point, strength);
+    strength *= lit && !lit[l] ? 1. - opacity : 1.;
     const double cosine = -dot(n, travels);
-    if (!(cosine > 0.) || !(arrives > 0.))
+    if (!(cosine > 0.) || !(strength > 0.))
     {
       continue;
     }
@@ -80,7 +79,7 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     const double highlight = std::pow(std::max(0., dot(mirrored, toEye)), material.specularPower);
     for (int c = 0; c < 3; ++c)
     {
-      sum[c] += arrives * light.color[c] * (cosine * material.diffuse[c] + highlight * material.specular[c]);
+      sum[c] += strength * light.color[c] * (cosine * material.diffuse[c] + highlight * material.specular[c]);
     }
   }
   std::array<float, 3> rgb;

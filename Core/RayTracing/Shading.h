@@ -4,6 +4,7 @@
 #include "RayTracing/Camera.h"
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 namespace treeamr
@@ -27,11 +28,15 @@ struct Light
   double exponent = 1.;
   Vec3 attenuation{ 1., 0., 0. };              // constant, linear, quadratic
   std::array<float, 3> color{ 1.f, 1.f, 1.f }; // times intensity
+  bool castsShadows = true;
+
+  bool operator==(const Light&) const = default;
 };
 
-/// normal and toEye: unit length, world; the normal is turned towards the eye. Returns linear RGB, clamped to
-/// [0, 1].
+/// normal and toEye: unit length, world; the normal is turned towards the eye. lit: of each light,
+/// whether nothing stands before it, else the part `opacity` of it is lost; null: all are lit. Returns linear
+/// RGB, clamped to [0, 1].
 std::array<float, 3> shade(const Material& material, const std::vector<Light>& lights, const Vec3& point,
-  const Vec3& normal, const Vec3& toEye) noexcept;
+  const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit = nullptr, float opacity = 1.f) noexcept;
 
 } // namespace treeamr

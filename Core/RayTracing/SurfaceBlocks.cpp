@@ -312,7 +312,7 @@ const SurfaceRecord& SurfaceBlocks::compute(SurfaceBlock& block) const
   return record;
 }
 
-void SurfaceBlocks::startFrame()
+void SurfaceBlocks::startFrame() const
 {
   if (unkept_ > pool_.byteSize() / sizeof(SurfaceRecord))
   {

@@ -86,7 +86,7 @@ public:
 
   /// Call when no thread asks for records, before a frame. When the budget is used up and most of the records of
   /// the last frame were not kept, forgets all, so that a new view gets its share.
-  void startFrame();
+  void startFrame() const;
 
   /// Active octants of all blocks.
   std::uint64_t octantCount() const noexcept { return octants_; }

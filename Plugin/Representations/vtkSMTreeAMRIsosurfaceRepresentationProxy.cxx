@@ -5,7 +5,9 @@
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 vtkStandardNewMacro(vtkSMTreeAMRIsosurfaceRepresentationProxy);
 
@@ -28,7 +30,7 @@ void vtkSMTreeAMRIsosurfaceRepresentationProxy::SetPropertyModifiedFlag(const ch
   const std::string property = name;
   if (flag && (property == "IsosurfaceArray" || property == "IsosurfaceComponent"))
   {
-    // The isovalue's domain learns of the change after this proxy: it is asked in UpdateVTKObjects().
+    // The isovalues' domain learns of the change after this proxy: it is asked in UpdateVTKObjects().
     this->ContouredArrayModified = true;
   }
   this->Superclass::SetPropertyModifiedFlag(name, flag);
@@ -40,14 +42,15 @@ void vtkSMTreeAMRIsosurfaceRepresentationProxy::UpdateVTKObjects()
   if (this->ContouredArrayModified)
   {
     this->ContouredArrayModified = false;
-    vtkSMProperty* isovalue = this->GetProperty("Isovalue");
-    auto range = vtkSMArrayRangeDomain::SafeDownCast(isovalue->GetDomain("range"));
-    const double value = vtkSMPropertyHelper(isovalue).GetAsDouble();
+    vtkSMProperty* isovalues = this->GetProperty("Isovalues");
+    auto range = vtkSMArrayRangeDomain::SafeDownCast(isovalues->GetDomain("range"));
+    const std::vector<double> values = vtkSMPropertyHelper(isovalues).GetDoubleArray();
     // IsInDomains() cannot be asked: in ParaView 5.11 it denies values inside a range and affirms others.
-    if (range && range->GetMinimumExists(0) && range->GetMaximumExists(0) &&
-      !(range->GetMinimum(0) <= value && value <= range->GetMaximum(0)))
+    if (range && range->GetMinimumExists(0) && range->GetMaximumExists(0) && !values.empty() &&
+      std::none_of(values.begin(), values.end(),
+        [&](double value) { return range->GetMinimum(0) <= value && value <= range->GetMaximum(0); }))
     {
-      isovalue->ResetToDomainDefaults();
+      isovalues->ResetToDomainDefaults();
     }
   }
   this->Superclass::UpdateVTKObjects();

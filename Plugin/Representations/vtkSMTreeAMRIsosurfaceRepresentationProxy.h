@@ -1,5 +1,5 @@
-// Keeps the isovalue inside the range of the contoured array: when another array or component is chosen and
-// the value lies outside its range, it moves to the middle, where it starts. Else the surface would vanish.
+// Keeps isovalues inside the range of the contoured array: when another array or component is chosen and none of
+// them lies inside its range, they become the one in the middle that they start with. Else nothing would be shown.
 
 #ifndef vtkSMTreeAMRIsosurfaceRepresentationProxy_h
 #define vtkSMTreeAMRIsosurfaceRepresentationProxy_h

@@ -80,9 +80,33 @@ void vtkTreeAMRIsosurfaceRepresentation::SetIsosurfaceComponent(int component)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetIsovalue(double value)
+void vtkTreeAMRIsosurfaceRepresentation::SetIsovalue(int index, double value)
 {
-  this->Mapper->SetIsovalue(value);
+  this->Mapper->SetValue(index, value);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetNumberOfIsovalues(int number)
+{
+  this->Mapper->SetNumberOfContours(number);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionSamples(int samples)
+{
+  this->Mapper->SetAmbientOcclusionSamples(samples);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionRadius(double radius)
+{
+  this->Mapper->SetAmbientOcclusionRadius(radius);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetShadows(bool shadows)
+{
+  this->Mapper->SetShadows(shadows);
 }
 
 //------------------------------------------------------------------------------

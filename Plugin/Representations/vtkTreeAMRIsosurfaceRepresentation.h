@@ -22,7 +22,14 @@ public:
   void SetIsosurfaceArray(int index, int port, int connection, int association, const char* name);
   /// The contoured component. The number of components, or more: the magnitude.
   void SetIsosurfaceComponent(int component);
-  void SetIsovalue(double value);
+  ///@{
+  /// Forwarded to the mapper.
+  void SetIsovalue(int index, double value);
+  void SetNumberOfIsovalues(int number);
+  void SetAmbientOcclusionSamples(int samples);
+  void SetAmbientOcclusionRadius(double radius);
+  void SetShadows(bool shadows);
+  ///@}
 
   /// Colours of the array chosen in the Coloring section. Without one the surface has the diffuse colour.
   void SetLookupTable(vtkScalarsToColors* colors);

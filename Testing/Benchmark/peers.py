@@ -145,7 +145,7 @@ def show_surface(route, reader, view, isovalue):
     representation.DiffuseColor = representation.AmbientColor = [0.85, 0.8, 0.7]
     if source is not reader:
         return source
-    representation.Isovalue = isovalue
+    representation.Isovalues = [isovalue]
     return None
 
 

@@ -455,4 +455,10 @@ TEST(Shading, FollowsTheTermsOfVtk)
   EXPECT_NEAR(c[1], 0.5 / 4., 1e-6);
   EXPECT_NEAR(c[2], 1. / 4., 1e-6);
   EXPECT_EQ(shade(m, { spot }, { 0., 2., 0. }, z, z)[1], 0.f); // outside the cone
+  // Something that takes three quarters of it stands before the spot, nothing before the other light.
+  const std::array<std::uint8_t, 2> lit{ 0, 1 };
+  const auto head1 = shade(m, { head }, {}, z, z);
+  const auto both = shade(m, { spot, head }, {}, z, z, lit.data(), 0.75f);
+  EXPECT_NEAR(both[1], 0.25 * c[1] + head1[1], 1e-6);
+  EXPECT_NEAR(shade(m, { spot, head }, {}, z, z, lit.data())[1], head1[1], 1e-6);
 }

@@ -1,7 +1,7 @@
 """Reads the demo's p4est forest in ParaView and saves pictures of it beside the file:
 
-volume.png, isosurface.png, both.png (with an opaque sphere through them) and translucent.png (the same sphere
-translucent). Prints cells, bytes per cell, build and frame seconds.
+volume.png, isosurface.png, occlusion.png (with ambient occlusion), both.png (with an opaque sphere through them),
+translucent.png (the same sphere translucent) and layers.png (two translucent isosurfaces and an opaque tube). Prints cells, bytes per cell, build and frame seconds.
 
 usage: pvpython demo.py FOREST.p8est
 """
@@ -46,11 +46,16 @@ same = PassThrough(Input=reader)
 surface = Show(same, view)
 ColorBy(surface, None)
 surface.SetRepresentationType("Tree AMR Isosurface")
-surface.Isovalue = 0.9
+surface.Isovalues = [0.9]
 surface.DiffuseColor = surface.AmbientColor = [0.85, 0.8, 0.7]
 Render(view)
 print("isosurface frame: " + timed_frame(view))
 save(view, "isosurface")
+surface.AmbientOcclusionSamples = 16
+Render(view)
+print("with ambient occlusion: " + timed_frame(view))
+save(view, "occlusion")
+surface.AmbientOcclusionSamples = 0
 
 # Both, with a sphere through them; the surface lies inside the volume, so that is drawn fainter.
 Show(reader, view)
@@ -66,3 +71,18 @@ save(view, "both")
 ball.Opacity = 0.45
 Render(view)
 save(view, "translucent")
+
+# Two translucent surfaces in the colours of their values, an opaque tube through them and a faint volume.
+Hide(sphere, view)
+volume.ScalarOpacityFunction.Points = [
+    0.0, 0.0, 0.5, 0.0, 0.3, 0.0, 0.5, 0.0, 0.6, 0.01, 0.5, 0.0, 1.0, 0.05, 0.5, 0.0]
+surface.Isovalues = [0.35, 0.8]
+ColorBy(surface, ("CELLS", "mandelbulb"))
+surface.Opacity = 0.4
+line = Line(Point1=[0.05, 0.35, 0.9], Point2=[0.95, 0.6, 0.4])
+tube = Show(Tube(Input=line, Radius=0.03, NumberofSides=48), view)
+tube.DiffuseColor = tube.AmbientColor = [0.2, 0.55, 0.85]
+tube.Specular = 0.4
+Render(view)
+print("translucent isosurfaces: " + timed_frame(view))
+save(view, "layers")

@@ -4,6 +4,7 @@
 from paraview import simple
 
 import scene
+from treeamr.vtkTreeAMRRendering import vtkTreeAMRIsosurfaceMapper
 
 
 class TestIsosurface(scene.TestCase):
@@ -21,12 +22,68 @@ class TestIsosurface(scene.TestCase):
 
     def test_isovalue_starts_in_the_middle(self):
         low, high = self.source.CellData["xyz"].GetRange()
-        self.assertAlmostEqual((low + high) / 2, self.representation.Isovalue, places=5)
+        (isovalue,) = self.representation.Isovalues
+        self.assertAlmostEqual((low + high) / 2, isovalue, places=5)
         self.assertTrue(scene.drawn(self.picture("middle")).any())
 
     def test_isovalue_outside_the_range(self):
-        self.representation.Isovalue = -1.0
+        self.representation.Isovalues = [-1.0]
         self.assertFalse(scene.drawn(self.picture("outside")).any())
+
+    def test_several_isovalues(self):
+        self.representation.Isovalues = [30.0]
+        one = scene.drawn(self.picture("one"))
+        self.representation.Isovalues = [30.0, 2.0]
+        two = scene.drawn(self.picture("two"))
+        self.assertTrue((two | ~one).all())
+        self.assertLess(one.sum(), two.sum())
+        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        self.representation.LookupTable.RGBPoints = [2, 0, 0, 1, 30, 1, 0, 0]
+        self.representation.Diffuse, self.representation.Ambient = 0.0, 1.0
+        scene.look(self.view, (-1, -1, 2))
+        coloured = self.picture("coloured")
+        self.assertEqual({(0, 0, 0), (0, 0, 255), (255, 0, 0)}, {tuple(p) for p in coloured.reshape(-1, 3)})
+        self.representation.Isovalues = []
+        self.assertFalse(scene.drawn(self.picture("none")).any())
+
+    def test_defaults_are_those_of_the_mapper(self):
+        mapper = vtkTreeAMRIsosurfaceMapper()
+        for name in ("AmbientOcclusionSamples", "AmbientOcclusionRadius", "Shadows"):
+            self.assertEqual(getattr(mapper, "Get" + name)(), getattr(self.representation, name), name)
+
+    def test_ambient_occlusion(self):
+        """ParaView renders a still frame once: it has all samples."""
+        self.representation.Isovalues = [6.5, 7.5]
+        simple.Render(self.view)
+        window = self.view.GetRenderWindow()
+        bright = scene.shown(window)
+        self.representation.AmbientOcclusionSamples = 32
+        self.representation.AmbientOcclusionRadius = 0.3
+        simple.Render(self.view)
+        dark = scene.shown(window)
+        self.assertTrue((dark <= bright).all())
+        self.assertLess(dark.sum(), 0.95 * bright.sum())
+        look = self.view.CameraPosition[:]
+        self.view.CameraPosition = [x + 1e-3 for x in look]
+        self.view.SMProxy.InteractiveRender()
+        self.view.CameraPosition = look
+        self.view.SMProxy.InteractiveRender()
+        self.assertFalse((scene.shown(window) == dark).all())
+        self.view.SMProxy.StillRender()
+        self.assertTrue((scene.shown(window) == dark).all())
+
+    def test_shadows(self):
+        """Of the lower surface in the light of a lamp beyond the upper one."""
+        self.representation.Isovalues = [2.0, 30.0]
+        self.view.UseLight = 0
+        lamp = simple.AddLight(view=self.view)
+        lamp.Type, lamp.Position, lamp.FocalPoint = "Directional", [4, 4, 4], [0, 0, 0]
+        scene.look(self.view, (-1, -1, 2))
+        bright = self.picture("unshadowed")
+        self.representation.Shadows = 1
+        dark = self.picture("shadowed")
+        self.assertTrue((dark <= bright).all())
+        self.assertLess(dark.sum(), bright.sum())
 
     def test_isovalue_follows_another_array(self):
         arrays = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
@@ -44,16 +101,16 @@ for name, values in (('big', numpy.linspace(100, 200, n)), ('v', numpy.linspace(
         representation = simple.Show(arrays, self.view)
         representation.SetRepresentationType("Tree AMR Isosurface")
         representation.IsosurfaceArray = ["CELLS", "big"]
-        self.assertAlmostEqual(150, representation.Isovalue)
-        representation.Isovalue = 120
+        self.assertAlmostEqual(150, *representation.Isovalues)
+        representation.Isovalues = [120]
         representation.IsosurfaceArray = ["CELLS", "v"]
         representation.IsosurfaceComponent = "Magnitude"
-        self.assertAlmostEqual(15, representation.Isovalue)
+        self.assertAlmostEqual(15, *representation.Isovalues)
         # The mapper finds the same values in the magnitude: the surface is there.
         self.assertTrue(scene.drawn(self.picture("magnitude")).any())
-        representation.Isovalue = 11
+        representation.Isovalues = [11]
         representation.IsosurfaceComponent = "Y"
-        self.assertEqual(11, representation.Isovalue)
+        self.assertEqual([11], list(representation.Isovalues))
 
     def test_solid_colour(self):
         self.representation.DiffuseColor = self.representation.AmbientColor = [1, 0, 0]

@@ -41,7 +41,7 @@ class TestSelection(scene.TestCase):
         self.representation = simple.Show(self.source, self.view)
         simple.ColorBy(self.representation, None)
         self.representation.SetRepresentationType("Tree AMR Isosurface")
-        self.representation.Isovalue = ISOVALUE
+        self.representation.Isovalues = [ISOVALUE]
         scene.look(self.view, (-4, -3, -6))
         simple.Render(self.view)
         self.boxes = leaf_boxes(servermanager.Fetch(self.source))
@@ -132,7 +132,7 @@ self.GetOutputDataObject(0).SetBlock(2, self.GetInputDataObject(0, 0))
         simple.Hide(self.source, self.view)
         shown = simple.Show(blocks, self.view)
         shown.SetRepresentationType("Tree AMR Isosurface")
-        shown.Isovalue = ISOVALUE
+        shown.Isovalues = [ISOVALUE]
         simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=self.view)
         selection = servermanager._getPyProxy(blocks.GetSelectionInput(0))
         self.assertEqual("CompositeDataIDSelectionSource", selection.Input[0].GetXMLName())

@@ -10,6 +10,8 @@ import scene
 MOTION = {"AutoAdjustSampleDistances": 0, "ImageSampleDistance": 1.5, "MinimumImageSampleDistance": 1.25,
           "MaximumImageSampleDistance": 8, "InteractiveRenderTime": 0.075, "LevelOfDetail": 2}
 
+VISIBILITY = {"AmbientOcclusionSamples": 4, "AmbientOcclusionRadius": 0.25, "Shadows": 1}
+
 
 class TestState(scene.TestCase):
     def make(self, kind):
@@ -22,7 +24,9 @@ class TestState(scene.TestCase):
         representation.SamplesPerCell = 3
         for name, value in MOTION.items():
             setattr(representation, name, value)
-        representation.Isovalue = 6.5
+        representation.Isovalues = [6.5, 20.0]
+        for name, value in VISIBILITY.items():
+            setattr(representation, name, value)
         scene.look(view)
         return scene.picture(view, "state-before")
 
@@ -35,7 +39,9 @@ class TestState(scene.TestCase):
         self.assertEqual(3, representation.SamplesPerCell)
         for name, value in MOTION.items():
             self.assertEqual(value, getattr(representation, name), name)
-        self.assertEqual(6.5, representation.Isovalue)
+        self.assertEqual([6.5, 20.0], list(representation.Isovalues))
+        for name, value in VISIBILITY.items():
+            self.assertEqual(value, getattr(representation, name), name)
         self.assertEqual(["CELLS", "xyz"], list(representation.IsosurfaceArray))
         view.UseFXAA = 0  # ParaView's states do not keep it
         after = scene.picture(view, "state-after")

@@ -2,6 +2,8 @@
 // each pixel's line of sight.
 #include "RenderingScene.h"
 
+#include "vtkLookupTable.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -552,6 +554,62 @@ TEST_F(SurfaceCompositingTest, translucentWithPeelingOfVolumes)
   scene.setCamera();
   rectangles.push_back(surface(green, 0.6));
   expectLayers(scene, volume, rectangles, peelTolerance, { false, 0.5 });
+}
+
+// A mapper with two values, as many layers in most pixels, among all else that is translucent.
+TEST_F(SurfaceCompositingTest, translucentLayersWithPeelingOfVolumes)
+{
+  Scene scene;
+  vtkSmartPointer<vtkHyperTreeGrid> grid = makeTestGrid();
+  vtkVolume* volume = scene.addVolume(grid, "one", orange, extinction);
+  vtkActor* actor = addSurface(scene, grid, green, 0.6);
+  Scene::mapperOf(actor)->SetValue(1, -0.4);
+  Rectangle lower = surface(green, 0.6);
+  lower.center[2] = -0.4;
+  std::vector<Rectangle> rectangles{ facingRectangle(0.5, 0.8, blue, 0.5),
+    facingRectangle(-0.3, 0.9, white, 0.4), facingRectangle(-1., 1., red) };
+  addRectangles(scene, rectangles);
+  peel(scene, 6);
+  scene.setCamera();
+  rectangles.push_back(surface(green, 0.6));
+  rectangles.push_back(lower);
+  expectLayers(scene, volume, rectangles, 2. * peelTolerance, { false, 0.6 });
+}
+
+// The order of the values is not that of their depths.
+TEST_F(SurfaceCompositingTest, translucentLayersWithoutPeeling)
+{
+  for (const bool fromBelow : { false, true })
+  {
+    Scene scene;
+    vtkSmartPointer<vtkHyperTreeGrid> grid = makeTestGrid();
+    vtkActor* actor = addSurface(scene, grid, white, 0.6);
+    vtkTreeAMRIsosurfaceMapper* mapper = Scene::mapperOf(actor);
+    mapper->SetValue(1, -0.4);
+    mapper->ScalarVisibilityOn();
+    mapper->SetScalarModeToUseCellFieldData();
+    mapper->SelectColorArray("z");
+    vtkNew<vtkLookupTable> table;
+    table->SetNumberOfTableValues(2);
+    table->SetTableRange(-0.4, level);
+    table->SetTableValue(0, blue[0], blue[1], blue[2]);
+    table->SetTableValue(1, green[0], green[1], green[2]);
+    mapper->SetLookupTable(table);
+    mapper->UseLookupTableScalarRangeOn();
+    std::vector<Rectangle> rectangles{ facingRectangle(fromBelow ? 1.2 : -1.2, 1.1, red) };
+    addRectangles(scene, rectangles);
+    scene.setCamera();
+    if (fromBelow)
+    {
+      scene.renderer->GetActiveCamera()->Elevation(180.);
+      scene.renderer->ResetCameraClippingRange();
+    }
+    Rectangle lower = surface(blue, 0.6);
+    lower.center[2] = -0.4;
+    rectangles.push_back(surface(green, 0.6));
+    rectangles.push_back(lower);
+    expectLayers(scene, nullptr, rectangles, 2. * eightBits, { false, 0.4 });
+  }
 }
 
 TEST_F(SurfaceCompositingTest, translucentWithoutPeeling)

@@ -1,6 +1,8 @@
 // vtkTreeAMRIsosurfaceMapper: depths against analytic surfaces, picking, what is rebuilt.
 #include "PlaneSurface.h"
 
+#include "MapperInput.h"
+
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkHardwareSelector.h"
@@ -163,7 +165,7 @@ TEST_F(IsosurfaceMapperTest, onlyWhatChangedIsRebuilt)
   scene.render();
   EXPECT_EQ(mapper->GetSurfaceBuildTime(), built);
 
-  mapper->SetIsovalue(0.2);
+  mapper->SetValue(0, 0.2);
   scene.render();
   const vtkMTimeType second = mapper->GetSurfaceBuildTime();
   EXPECT_GT(second, built);
@@ -196,6 +198,115 @@ TEST_F(IsosurfaceMapperTest, isovalueOutOfRange)
     ASSERT_EQ(pixel[0], 0.f);
   }
   EXPECT_EQ(Scene::mapperOf(actor)->GetNumberOfPrimitives(), 0);
+}
+
+TEST_F(IsosurfaceMapperTest, isovalues)
+{
+  vtkNew<vtkTreeAMRIsosurfaceMapper> mapper;
+  EXPECT_EQ(mapper->GetNumberOfContours(), 1);
+  EXPECT_EQ(mapper->GetValue(0), 0.);
+  const vtkMTimeType made = mapper->GetMTime();
+  mapper->GenerateValues(3, 1., 2.);
+  EXPECT_GT(mapper->GetMTime(), made);
+  std::array<double, 3> values;
+  mapper->GetValues(values.data());
+  EXPECT_EQ(values, (std::array{ 1., 1.5, 2. }));
+  EXPECT_EQ(mapper->GetValues()[1], 1.5);
+  mapper->SetNumberOfContours(2);
+  mapper->SetValue(1, 4.);
+  EXPECT_EQ(mapper->GetValue(1), 4.);
+}
+
+TEST_F(IsosurfaceMapperTest, noIsovalueDrawsNothing)
+{
+  Scene scene;
+  vtkActor* actor = scene.addIsosurface(planeGrid(), "plane", 0.);
+  scene.setCamera();
+  const auto drawn = scene.render();
+  Scene::mapperOf(actor)->SetNumberOfContours(0);
+  for (const auto& pixel : scene.render())
+  {
+    ASSERT_EQ(pixel[0], 0.f);
+  }
+  Scene::mapperOf(actor)->SetValue(0, 0.);
+  EXPECT_EQ(scene.render(), drawn);
+}
+
+// The first of several surfaces along the ray, whatever their order in the list.
+TEST_F(IsosurfaceMapperTest, nearestOfSeveralIsovalues)
+{
+  Scene scene;
+  vtkActor* actor = scene.addIsosurface(planeGrid(), "plane", -0.3);
+  Scene::mapperOf(actor)->SetValue(1, 0.);
+  Scene::mapperOf(actor)->SetValue(2, -0.2);
+  scene.setCamera();
+  expectPlaneDepths(scene, actor);
+}
+
+// The picture of one actor is the mirror image of the other's: from a camera in the plane between them.
+TEST_F(IsosurfaceMapperTest, actorsShareAMapper)
+{
+  Scene scene(120, 60);
+  const auto grid = planeGrid();
+  vtkActor* actor = scene.addIsosurface(grid, "plane", 0.);
+  actor->SetPosition(1.3, 0., 0.);
+  vtkNew<vtkActor> mirrored;
+  mirrored->SetMapper(actor->GetMapper());
+  mirrored->SetScale(-1., 1., 1.);
+  mirrored->SetPosition(-1.3, 0., 0.);
+  scene.renderer->AddActor(mirrored);
+  vtkCamera* camera = scene.renderer->GetActiveCamera();
+  camera->SetFocalPoint(0., 0., 0.);
+  camera->SetPosition(0., 2., 5.);
+  scene.renderer->ResetCamera();
+  const auto expectSymmetry = [&](const std::vector<std::array<float, 4>>& pixels) {
+    int drawn = 0;
+    for (int y = 0; y < scene.height(); ++y)
+    {
+      for (int x = 0; x < scene.width() / 2; ++x)
+      {
+        const auto& left = pixels[y * scene.width() + x];
+        const auto& right = pixels[y * scene.width() + scene.width() - 1 - x];
+        drawn += left[0] > 0.1f && right[0] > 0.1f;
+        ASSERT_NEAR(left[0], right[0], 1. / 255.) << "pixel " << x << ", " << y;
+      }
+    }
+    EXPECT_GT(drawn, 300);
+  };
+  const auto first = scene.render();
+  expectSymmetry(first);
+  vtkTreeAMRIsosurfaceMapper* mapper = Scene::mapperOf(actor);
+  const vtkMTimeType built = mapper->GetSurfaceBuildTime();
+  const vtkIdType primitives = mapper->GetNumberOfPrimitives();
+  EXPECT_EQ(scene.render(), first);
+  camera->Elevation(10.);
+  expectSymmetry(scene.render());
+  EXPECT_EQ(mapper->GetSurfaceBuildTime(), built);
+  EXPECT_EQ(mapper->GetNumberOfPrimitives(), primitives);
+
+  // An actor of its own renderer, and one that goes away.
+  scene.renderer->RemoveActor(mirrored);
+  vtkNew<vtkRenderer> other;
+  other->SetViewport(0., 0., 0.5, 1.);
+  scene.renderer->SetViewport(0.5, 0., 1., 1.);
+  scene.window->AddRenderer(other);
+  other->AddActor(actor);
+  other->GetActiveCamera()->DeepCopy(camera);
+  const auto alone = scene.render();
+  other->GetActiveCamera()->Azimuth(40.);
+  EXPECT_EQ(scene.render(), alone);
+}
+
+TEST_F(IsosurfaceMapperTest, mappersOfAGridShareTheSurface)
+{
+  const auto field = treeamr::acquireField(planeGrid(), { "plane", -1 }, true);
+  const auto surface = treeamr::acquireIsosurface(field, { 0., 0.5 });
+  EXPECT_EQ(treeamr::acquireIsosurface(field, { 0., 0.5 }), surface);
+  EXPECT_NE(treeamr::acquireIsosurface(field, { 0. }), surface);
+  EXPECT_NE(
+    treeamr::acquireIsosurface(treeamr::acquireField(planeGrid(), { "x", -1 }, true), { 0., 0.5 }), surface);
+  std::weak_ptr<const treeamr::Isosurface> gone = treeamr::acquireIsosurface(field, { 0.25 });
+  EXPECT_TRUE(gone.expired());
 }
 
 TEST_F(IsosurfaceMapperTest, withoutAnArrayTheActiveScalarsOrTheFirst)

@@ -4,10 +4,12 @@
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkLight.h"
+#include "vtkLightCollection.h"
 #include "vtkLightKit.h"
 #include "vtkLookupTable.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -78,6 +80,58 @@ protected:
     const std::vector<double> differences = differencesFromPolygon(setup);
     EXPECT_LE(*std::max_element(differences.begin(), differences.end()), 1.01 * eightBits);
   }
+};
+
+/// Two parallel planes; the camera is between them and looks along the gap onto the one, white, without a
+/// headlight.
+class IsosurfaceVisibilityTest : public RenderingTest
+{
+protected:
+  static constexpr double gap = 0.5;
+  /// Of the grid's bounds.
+  static inline const double diagonal = std::sqrt(12.);
+
+  IsosurfaceVisibilityTest()
+  {
+    actor_ = scene_.addIsosurface(makeTestGrid(), "z", -0.25);
+    mapper_ = Scene::mapperOf(actor_);
+    mapper_->SetValue(1, -0.25 + gap);
+    vtkCamera* camera = scene_.renderer->GetActiveCamera();
+    camera->SetPosition(0., 0.1, -0.25 + 0.9 * gap);
+    camera->SetFocalPoint(0., 0., -0.25);
+    camera->SetViewUp(0., 1., 0.);
+    camera->SetViewAngle(40.);
+    camera->SetClippingRange(0.1, 5.);
+    scene_.renderer->RemoveAllLights();
+    scene_.renderer->SetAutomaticLightCreation(false);
+    actor_->GetProperty()->SetAmbient(0.4);
+    actor_->GetProperty()->SetDiffuse(0.5);
+  }
+
+  vtkLight* addLight(double z)
+  {
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToSceneLight();
+    light->PositionalOn();
+    light->SetConeAngle(180.);
+    light->SetPosition(0., 0., z);
+    scene_.renderer->AddLight(light);
+    return light;
+  }
+
+  double meanOf(const std::vector<std::array<float, 4>>& pixels)
+  {
+    double sum = 0.;
+    for (const auto& pixel : pixels)
+    {
+      sum += pixel[0] / static_cast<double>(pixels.size());
+    }
+    return sum;
+  }
+
+  Scene scene_;
+  vtkActor* actor_;
+  vtkTreeAMRIsosurfaceMapper* mapper_;
 };
 
 class IsosurfaceColorTest : public PlaneSurfaceTest
@@ -216,6 +270,53 @@ TEST_F(IsosurfaceLightingTest, lightKitOnARotatedAndUnevenlyScaledActor)
   });
 }
 
+TEST_F(IsosurfaceLightingTest, lightsOnBothSides)
+{
+  for (const double turned : { 0., 180. })
+  {
+    expectSameAsPolygon([turned](Scene& scene, vtkActor* actor) {
+      actor->RotateX(turned);
+      actor->GetProperty()->SetSpecular(0.4);
+      actor->GetProperty()->SetSpecularPower(4.);
+      for (const double side : { -1., 1. })
+      {
+        vtkNew<vtkLight> light;
+        light->SetLightTypeToSceneLight();
+        light->SetPosition(2. * side, 3. * side, 4. * side);
+        light->SetFocalPoint(0., 0., 0.);
+        light->SetColor(0.8, 0.5 + 0.3 * side, 0.5 - 0.3 * side);
+        scene.renderer->AddLight(light);
+      }
+    });
+  }
+}
+
+TEST_F(IsosurfaceLightingTest, positionalHeadlightAndWideConeOnAMirroredActor)
+{
+  expectSameAsPolygon([](Scene& scene, vtkActor* actor) {
+    actor->SetScale(-1., 0.8, 1.1);
+    // VTK turns a mirrored polygon's own normals away from the eye, not those that it makes of the faces.
+    actor->GetProperty()->SetInterpolationToFlat();
+    actor->GetProperty()->SetSpecular(0.5);
+    actor->GetProperty()->SetSpecularPower(6.);
+    vtkNew<vtkLight> headlight;
+    headlight->SetLightTypeToHeadlight();
+    headlight->PositionalOn();
+    headlight->SetConeAngle(5.);
+    headlight->SetExponent(2.);
+    headlight->SetIntensity(0.5);
+    scene.renderer->AddLight(headlight);
+    // Such cones are none, in VTK, too.
+    vtkNew<vtkLight> wide;
+    wide->SetLightTypeToSceneLight();
+    wide->PositionalOn();
+    wide->SetConeAngle(90.);
+    wide->SetPosition(-0.6, 1., 1.2);
+    wide->SetColor(0.3, 0.4, 0.5);
+    scene.renderer->AddLight(wide);
+  });
+}
+
 // The pass reads positions and normals of what is drawn, at random places and from coarse copies, which also
 // see that the polygon goes on beyond the grid: so the same on average only.
 TEST_F(IsosurfaceLightingTest, ambientOcclusion)
@@ -286,6 +387,29 @@ TEST_F(IsosurfaceColorTest, theContouredArray)
   });
 }
 
+TEST_F(IsosurfaceColorTest, theContouredArrayWithSeveralIsovalues)
+{
+  Scene scene;
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, planeGrid(), "plane");
+  mapper->SetValue(0, -0.2);
+  mapper->SetValue(1, 0.);
+  mapper->SetValue(2, -0.5);
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  const auto color = [&](double value) {
+    return [&table, value](const Point&, Color& expected) {
+      table->GetColor(value, expected.data());
+      return true;
+    };
+  };
+  expectColors(scene, color(0.)); // the nearest
+  mapper->SetValue(1, -0.6);
+  mapper->SetValue(0, -0.7);
+  mapper->SetValue(2, 0.);
+  expectColors(scene, color(0.));
+}
+
 TEST_F(IsosurfaceColorTest, cellsWithoutAValue)
 {
   Scene scene;
@@ -346,4 +470,87 @@ TEST_F(IsosurfaceColorTest, componentsOfVectors)
   table->SetVectorModeToMagnitude();
   mapper->ColorByArrayComponent("v", 1);
   expectColors(scene, byY);
+}
+
+// A ray at the cosine c meets the other plane at gap / c, and the part c^2 of the rays has less.
+TEST_F(IsosurfaceVisibilityTest, ambientOcclusionBetweenPlanes)
+{
+  const double reach = 1.25 * gap;
+  mapper_->SetAmbientOcclusionRadius(reach / diagonal);
+  EXPECT_NEAR(meanOf(scene_.render()), 0.4, eightBits);
+  mapper_->SetAmbientOcclusionSamples(64);
+  EXPECT_NEAR(meanOf(scene_.render()), 0.4 * (gap / reach) * (gap / reach), eightBits);
+  actor_->SetScale(0.5, 0.5, -0.5); // the radius shrinks, too
+  vtkCamera* camera = scene_.renderer->GetActiveCamera();
+  camera->SetPosition(0., 0.05, 0.125 - 0.45 * gap);
+  camera->SetFocalPoint(0., 0., 0.125);
+  camera->SetClippingRange(0.05, 5.);
+  EXPECT_NEAR(meanOf(scene_.render()), 0.4 * (gap / reach) * (gap / reach), eightBits);
+  actor_->GetProperty()->SetOpacity(0.5);
+  EXPECT_NEAR(
+    meanOf(scene_.render()), 0.5 * 0.4 * (1. - 0.5 * (1. - (gap / reach) * (gap / reach))), eightBits);
+  actor_->GetProperty()->SetOpacity(1.);
+  actor_->GetProperty()->LightingOff();
+  EXPECT_NEAR(meanOf(scene_.render()), 0.9, eightBits);
+}
+
+TEST_F(IsosurfaceVisibilityTest, ambientOcclusionGathersInInteractiveFrames)
+{
+  constexpr int frames = 6;
+  mapper_->SetAmbientOcclusionRadius(1.25 * gap / diagonal);
+  mapper_->SetAmbientOcclusionSamples(frames * vtkTreeAMRIsosurfaceMapper::InteractiveSamples);
+  const auto still = scene_.render();
+  vtkCamera* camera = scene_.renderer->GetActiveCamera();
+  for (const bool peeling : { false, true })
+  {
+    // Several passes of one frame are one frame.
+    scene_.renderer->SetUseDepthPeeling(peeling);
+    camera->Azimuth(1.);
+    scene_.render();
+    camera->Azimuth(-1.);
+    scene_.window->SetDesiredUpdateRate(15.);
+    for (int i = 0; i < frames; ++i)
+    {
+      const auto pixels = scene_.render();
+      EXPECT_EQ(pixels == still, i + 1 == frames) << "frame " << i;
+    }
+    EXPECT_EQ(scene_.render(), still);
+    scene_.window->SetDesiredUpdateRate(0.002);
+  }
+  // A still frame takes what is missing.
+  camera->Azimuth(1.);
+  scene_.render();
+  camera->Azimuth(-1.);
+  scene_.window->SetDesiredUpdateRate(15.);
+  EXPECT_NE(scene_.render(), still);
+  scene_.window->SetDesiredUpdateRate(0.002);
+  EXPECT_EQ(scene_.render(), still);
+  // More samples are added to those there are, fewer are others.
+  mapper_->SetAmbientOcclusionSamples(5);
+  EXPECT_NE(scene_.render(), still);
+  mapper_->SetAmbientOcclusionSamples(frames * vtkTreeAMRIsosurfaceMapper::InteractiveSamples);
+  EXPECT_EQ(scene_.render(), still);
+}
+
+TEST_F(IsosurfaceVisibilityTest, shadows)
+{
+  vtkLight* outside = addLight(0.9);
+  const auto unshadowed = scene_.render();
+  EXPECT_GT(meanOf(unshadowed), 0.7);
+  mapper_->ShadowsOn();
+  EXPECT_NEAR(meanOf(scene_.render()), 0.4, eightBits);
+  // At the eye, in both senses.
+  outside->SetLightTypeToHeadlight();
+  EXPECT_GT(meanOf(scene_.render()), 0.7);
+  outside->SetLightTypeToSceneLight();
+  outside->SetPosition(0., 0., -0.25 + 0.95 * gap);
+  EXPECT_GT(meanOf(scene_.render()), 0.7);
+  outside->SetPosition(0., 0., 0.9);
+  EXPECT_NEAR(meanOf(scene_.render()), 0.4, eightBits);
+  addLight(-0.25 + 0.95 * gap); // that one arrives
+  EXPECT_GT(meanOf(scene_.render()), 0.7);
+  mapper_->ShadowsOff();
+  outside->SetPosition(0., 0., 0.9);
+  scene_.renderer->GetLights()->RemoveItem(1);
+  EXPECT_EQ(scene_.render(), unshadowed);
 }

@@ -282,8 +282,8 @@ TEST_F(MapperErrorsTest, isovalueOfAVolumeNotFinite)
 TEST_F(MapperErrorsTest, isovalueNotFinite)
 {
   expectSurfaceError(
-    { "isovalue" }, [&] { surfaceMapper_->SetIsovalue(std::numeric_limits<double>::infinity()); },
-    [&] { surfaceMapper_->SetIsovalue(0.3); });
+    { "isovalue" }, [&] { surfaceMapper_->SetValue(0, std::numeric_limits<double>::infinity()); },
+    [&] { surfaceMapper_->SetValue(0, 0.3); });
 }
 
 TEST_F(MapperErrorsTest, singularMatrix)

@@ -192,7 +192,7 @@ vtkActor* Scene::addIsosurface(vtkHyperTreeGrid* grid, const char* array, double
   vtkNew<vtkTreeAMRIsosurfaceMapper> mapper;
   mapper->SetInputData(grid);
   mapper->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, array);
-  mapper->SetIsovalue(isovalue);
+  mapper->SetValue(0, isovalue);
   mapper->ScalarVisibilityOff();
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);

@@ -9,5 +9,5 @@ int main()
 {
   vtkNew<vtkTreeAMRVolumeMapper> volume;
   vtkNew<vtkTreeAMRIsosurfaceMapper> isosurface;
-  return volume->GetSamplesPerCell() > 0. && isosurface->GetIsovalue() == 0. ? EXIT_SUCCESS : EXIT_FAILURE;
+  return volume->GetSamplesPerCell() > 0. && isosurface->GetValue(0) == 0. ? EXIT_SUCCESS : EXIT_FAILURE;
 }
