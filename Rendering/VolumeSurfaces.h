@@ -24,7 +24,7 @@ struct SurfaceMaterial
 class VolumeSurfaces
 {
 public:
-  /// True when the surfaces had to be built. Throws Error as Isosurface().
+  /// True when the field or the isovalues are not those of the last call. Throws Error as Isosurface().
   bool build(const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues);
   /// Only after build(): null before, and after release().
   const Isosurface* engine() const noexcept { return engine_.get(); }
@@ -39,9 +39,9 @@ public:
 
 private:
   std::shared_ptr<const Field> field_;
-  std::vector<double> isovalues_; // as asked for
-  std::unique_ptr<Isosurface> engine_;
-  std::optional<Camera> camera_; // of the hits
+  std::vector<double> isovalues_;            // as asked for
+  std::shared_ptr<const Isosurface> engine_; // shared with other mappers of the field
+  std::optional<Camera> camera_;             // of the hits
   Matrix4 clipFromData_{};
   HitImage hits_;
   std::vector<std::array<float, 4>> rgba_;

@@ -145,7 +145,7 @@ private:
   /// False when no cell of the slot touches the vertex.
   bool slotValue(NodeRef node, unsigned touching, double& value) const noexcept
   {
-    if (node.isLeaf() || Rule == VertexRule::Octant)
+    if (node.isLeaf())
     {
       value = field_.value(node);
       return true;
@@ -169,7 +169,7 @@ private:
   {
     if constexpr (Rule == VertexRule::Octant)
     {
-      refined = 0; // all slots at one distance: equal weights
+      refined = 0; // as if all were at one distance: equal weights
     }
     static constexpr double one = 1.;
     switch (dimensions)

@@ -18,7 +18,7 @@ using VertexValues = std::array<float, 27>;
 enum class VertexRule
 {
   GTI,   // the paper's weights
-  Octant // Wang et al. 2019: equal weights, and refined neighbours by their means
+  Octant // Wang et al. 2019: the same cells, with equal weights
 };
 
 /// Vertex values of the inner nodes on a path, kept while a walk stays below them. Vertices that hang on a

@@ -4,8 +4,7 @@ The synthetic data are 4 x 4 x 4 cells on [0, 4]^3, the half x > 2 refined once,
 centres; the isovalue is 6.5. Each method is sampled on a fine grid on either side of x = 2, so that cracks
 stay open (the steps of Nearest are walls everywhere), and within the outermost centres of the coarse cells, where
 nothing depends on the domain's end. There the trilinear interpolation of the unrefined grid, the paper's
-reference, is xyz itself. Octant is as smooth as GTI here, unlike the paper's: it takes a refined neighbour by
-its mean, which for xyz is the value at its centre. Prints the distances of the surfaces' points from
+reference, is xyz itself. Prints the distances of the surfaces' points from
 xyz = 6.5, in widths of a coarse cell, and saves FOLDER/methods.png.
 
 usage: pvpython methods.py FOLDER [SAMPLES]

@@ -202,14 +202,10 @@ std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
         sum += c ? c->sum / c->volume : 0.;
         count += c != nullptr;
       }
-      if (octantRule_)
-      {
-        value = node->sum / node->volume;
-      }
-      else if (count > 0)
+      if (count > 0)
       {
         value = sum / count;
-        distance = 0.25;
+        distance = octantRule_ ? 0.5 : 0.25;
       }
     }
     incomplete = incomplete || !value;

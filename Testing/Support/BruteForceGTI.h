@@ -16,7 +16,7 @@ class BruteForceGTI
 {
 public:
   using Vertex = std::array<Coord, 3>; // in half widths of the finest level
-  /// octantRule: Wang et al.'s octant method instead: equal weights, a refined cell by its mean.
+  /// octantRule: Wang et al.'s octant method instead: equal weights, as if all cells were equally far away.
   BruteForceGTI(std::array<int, 3> roots, const std::vector<LeafCell>& cells, bool octantRule = false);
 
   /// V(v); none where no cell touches v. Sets *gap when a missing cell had a part in it.
