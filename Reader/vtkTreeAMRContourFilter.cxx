@@ -29,7 +29,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -59,11 +58,13 @@ void AddPoints(const std::vector<Surface>& surfaces, vtkIdType count, vtkPolyDat
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(count);
-  auto* to = static_cast<double*>(points->GetVoidPointer(0));
   for (const Surface& surface : surfaces)
   {
-    const auto& from = surface.Mesh.points;
-    std::memcpy(to + 3 * surface.FirstPoint, from.data(), from.size() * sizeof(from[0]));
+    double* to = static_cast<double*>(points->GetVoidPointer(0)) + 3 * surface.FirstPoint;
+    for (const auto& point : surface.Mesh.points)
+    {
+      to = std::copy(point.begin(), point.end(), to);
+    }
   }
   output->SetPoints(points);
 }

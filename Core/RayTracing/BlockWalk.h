@@ -28,6 +28,7 @@ public:
     {
       origin_[a] = uniform_ ? bounds.min[a] : 0.;
       width_[a] = uniform_ ? (bounds.max[a] - bounds.min[a]) / grid.roots()[a] : 1.;
+      perWidth_[a] = 1. / width_[a];
       domain_.min[a] = uniform_ ? 0. : bounds.min[a];
       domain_.max[a] = uniform_ ? grid.roots()[a] : bounds.max[a];
     }
@@ -42,8 +43,8 @@ public:
     Ray r;
     for (int a = 0; a < 3; ++a)
     {
-      r.origin[a] = (world.origin[a] - origin_[a]) / width_[a];
-      r.direction[a] = world.direction[a] / width_[a];
+      r.origin[a] = (world.origin[a] - origin_[a]) * perWidth_[a];
+      r.direction[a] = world.direction[a] * perWidth_[a];
     }
     return r;
   }
@@ -68,6 +69,7 @@ private:
   const RootGrid& grid_;
   Vec3 origin_;
   Vec3 width_;
+  Vec3 perWidth_;
   Bounds domain_;
   bool uniform_;
 };

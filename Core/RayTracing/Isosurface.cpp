@@ -115,8 +115,9 @@ struct Isosurface::Impl
   IsosurfaceStatistics statistics;
   SurfaceBlocks blocks;
   TraceSpace space;
-  Bounds domain; // in it
-  double widest; // world extent of the domain
+  Bounds domain;  // in it
+  Vec3 perExtent; // of it
+  double widest;  // world extent of the domain
   std::atomic<std::ptrdiff_t> embreeBytes{ 0 };
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -129,6 +130,7 @@ struct Isosurface::Impl
   {
     for (int a = 0; a < 3; ++a)
     {
+      perExtent[a] = 1. / (domain.max[a] - domain.min[a]);
       widest = std::max(widest, (domain.max[a] - domain.min[a]) * space.width(a));
     }
   }
@@ -179,6 +181,7 @@ struct Isosurface::Impl
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     const SurfaceRecord& record = self.blocks.record(args->primID);
+    record.prefetch();
     const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
     forEachQuery(args, rays, [&](Query& query, unsigned i) {
@@ -341,10 +344,10 @@ struct Isosurface::Impl
     float* direction = &ray.dir_x;
     for (int a = 0; a < 3; ++a)
     {
-      const double extent = domain.max[a] - domain.min[a];
       origin[a] = static_cast<float>(
-        (query.ray.origin[a] + query.tEnter * query.ray.direction[a] - domain.min[a]) / extent);
-      direction[a] = static_cast<float>(query.ray.direction[a] * (query.tLeave - query.tEnter) / extent);
+        (query.ray.origin[a] + query.tEnter * query.ray.direction[a] - domain.min[a]) * perExtent[a]);
+      direction[a] =
+        static_cast<float>(query.ray.direction[a] * (query.tLeave - query.tEnter) * perExtent[a]);
     }
     ray.tnear = 0.f;
     ray.tfar = 1.f + embreeRounding;
