@@ -30,8 +30,8 @@ namespace
 /// to 2^-24 of coordinates up to 1, and the ray's parameter reaches 1.
 constexpr float embreeRounding = 0x1p-22f;
 
-/// Hits of one surface within this part of a block's extent along the ray are one: pieces that meet in a seam
-/// both have a root on it.
+/// Hits of one surface that are no further apart than this part of a cell are one: pieces that meet in a seam both
+/// have a root on it.
 constexpr double sameHit = 0x1p-32;
 
 double seconds(std::chrono::steady_clock::time_point from)
@@ -117,7 +117,7 @@ struct Isosurface::Impl
   TraceSpace space;
   Bounds domain;  // in it
   Vec3 perExtent; // of it
-  double widest;  // world extent of the domain
+  double widest;  // extent of it
   std::atomic<std::ptrdiff_t> embreeBytes{ 0 };
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -131,7 +131,7 @@ struct Isosurface::Impl
     for (int a = 0; a < 3; ++a)
     {
       perExtent[a] = 1. / (domain.max[a] - domain.min[a]);
-      widest = std::max(widest, (domain.max[a] - domain.min[a]) * space.width(a));
+      widest = std::max(widest, domain.max[a] - domain.min[a]);
     }
   }
   ~Impl()
@@ -378,15 +378,31 @@ struct Isosurface::Impl
     return true;
   }
 
+  /// Least width of the leaf that a hit lies in.
+  double leafWidth(const SurfaceHit& hit, const Vec3& perUnit) const noexcept
+  {
+    const BlockPlanes planes(space, blocks.all()[hit.block]);
+    double width = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < 3; ++a)
+    {
+      const int cell = hit.octant >> 2 * a & 2;
+      width = std::min(width, (planes.at[a][cell + 2] - planes.at[a][cell]) * perUnit[a]);
+    }
+    return width;
+  }
+
   /// Sorts the hits of a traced query, each once.
-  void finish(std::vector<SurfaceHit>& hits, const Isosurface& surface) const
+  void finish(const Query& query, std::vector<SurfaceHit>& hits) const
   {
     std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
       return a.surface != b.surface ? a.surface < b.surface : a.t != b.t ? a.t < b.t : a.block < b.block;
     });
+    const Vec3& d = query.ray.direction;
+    const double speed = std::max({ std::abs(d[0]), std::abs(d[1]), std::abs(d[2]) });
     const auto same = [&](const SurfaceHit& a, const SurfaceHit& b) {
-      const double apart = b.t - a.t;
-      return a.surface == b.surface && apart <= sameHit * widest && apart <= sameHit * surface.leafWidth(a);
+      const double apart = (b.t - a.t) * speed;
+      return a.surface == b.surface && apart <= sameHit * widest &&
+        apart <= sameHit * leafWidth(a, { 1., 1., 1. });
     };
     hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
     std::stable_sort(
@@ -458,7 +474,7 @@ void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vec
   {
     query.all = &hits;
     impl_->trace(query, r);
-    impl_->finish(hits, *this);
+    impl_->finish(query, hits);
   }
 }
 
@@ -553,7 +569,7 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
       std::vector<SurfaceHit>& hits = own->all[k];
       if (layers == SurfaceLayers::All)
       {
-        impl_->finish(hits, *this);
+        impl_->finish(own->queries[k], hits);
       }
       else
       {
@@ -592,14 +608,8 @@ CellId Isosurface::cell(const SurfaceHit& hit) const noexcept
 
 double Isosurface::leafWidth(const SurfaceHit& hit) const noexcept
 {
-  const BlockPlanes planes(impl_->space, impl_->blocks.all()[hit.block]);
-  double width = std::numeric_limits<double>::infinity();
-  for (int a = 0; a < 3; ++a)
-  {
-    const int cell = hit.octant >> 2 * a & 2;
-    width = std::min(width, (planes.at[a][cell + 2] - planes.at[a][cell]) * impl_->space.width(a));
-  }
-  return width;
+  const TraceSpace& space = impl_->space;
+  return impl_->leafWidth(hit, { space.width(0), space.width(1), space.width(2) });
 }
 
 } // namespace treeamr

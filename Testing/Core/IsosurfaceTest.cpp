@@ -521,6 +521,37 @@ TEST(Isosurface, SeveralIsovaluesAreTheirSurfacesTogether)
   EXPECT_GT(hits, 20000);
 }
 
+TEST(Isosurface, HitsDoNotDependOnTheUnitOfT)
+{
+  const RandomTree options{ 5, { 1, 2, 1 }, 4, 0.6, 0., false };
+  const Isosurface surface(makeField(unitRoots(options.roots), makeRandomTree(options)), { 0.1 });
+  std::mt19937 random(5);
+  std::size_t hits = 0;
+  for (int i = 0; i < 5000; ++i)
+  {
+    const Ray ray = towards(inside(options.roots, random), options.roots, random);
+    std::vector<SurfaceHit> expected;
+    surface.intersectAll(ray, 0., 20., expected);
+    hits += expected.size();
+    for (const int exponent : { -40, 40 }) // powers of two: the same roundings
+    {
+      Ray scaled = ray;
+      for (double& d : scaled.direction)
+      {
+        d = std::ldexp(d, exponent);
+      }
+      std::vector<SurfaceHit> all;
+      surface.intersectAll(scaled, 0., std::ldexp(20., -exponent), all);
+      ASSERT_EQ(all.size(), expected.size());
+      for (std::size_t k = 0; k < all.size(); ++k)
+      {
+        ASSERT_EQ(std::ldexp(all[k].t, exponent), expected[k].t);
+      }
+    }
+  }
+  EXPECT_GT(hits, 5000u);
+}
+
 TEST(Isosurface, HitsDoNotDependOnTheBudget)
 {
   std::mt19937 random(3);
