@@ -60,9 +60,9 @@ BlockContour::BlockContour(const Field& field, double isovalue, bool gradients)
 {
 }
 
-void BlockContour::extract(TreePath& path, const BlockPath& blockPath, ContourPart& part)
+void BlockContour::extract(TreePath& path, ContourPart& part)
 {
-  evaluator_.compute(blockPath, BlockCells::Leaves, block_);
+  evaluator_.compute(BlockPath(path), BlockCells::Leaves, block_);
   if (!(block_.range.min < isovalue_ && isovalue_ <= block_.range.max))
   {
     return;

@@ -55,8 +55,8 @@ class BlockContour
 public:
   BlockContour(const Field& field, double isovalue, bool gradients);
 
-  /// Of the leaves among the children of the inner node at the paths' ends.
-  void extract(TreePath& path, const BlockPath& blockPath, ContourPart& part);
+  /// Of the leaves among the children of the inner node at the path's end.
+  void extract(TreePath& path, ContourPart& part);
 
 private:
   using Place = std::array<int, 3>; // on the block's octant lattice

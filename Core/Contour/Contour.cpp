@@ -59,28 +59,6 @@ struct Task
   bool subtree;
 };
 
-/// Where a walk is, for both kinds of neighbourhoods.
-struct Place
-{
-  TreePath path;
-  BlockPath blockPath;
-
-  explicit Place(const Octree& octree)
-    : path(octree)
-  {
-  }
-  void descend(int octant) noexcept
-  {
-    path.descend(octant);
-    blockPath.descend(octant, path.node().index());
-  }
-  void ascend() noexcept
-  {
-    path.ascend();
-    blockPath.ascend();
-  }
-};
-
 class Extraction
 {
 public:
@@ -98,7 +76,7 @@ public:
     std::vector<Task> list;
     if (octree_.root().isInner())
     {
-      Place place(octree_);
+      TreePath place(octree_);
       collect(place, field_.range(), list);
     }
     return list;
@@ -106,11 +84,11 @@ public:
 
   void run(const Task& task, ContourPart& part)
   {
-    Place place(octree_);
+    TreePath place(octree_);
     Range range = field_.range();
     for (int depth = 1; depth <= task.depth; ++depth)
     {
-      range = field_.nodeRange(place.path.node(), range);
+      range = field_.nodeRange(place.node(), range);
       place.descend(octantOf(task.index, task.depth - depth));
     }
     BlockContour& block = blocks_.local();
@@ -120,25 +98,25 @@ public:
     }
     else
     {
-      block.extract(place.path, place.blockPath, part);
+      block.extract(place, part);
     }
   }
 
 private:
   bool crosses(Range range) const noexcept { return range.min < isovalue_ && isovalue_ <= range.max; }
 
-  void collect(Place& place, Range parent, std::vector<Task>& list) const
+  void collect(TreePath& place, Range parent, std::vector<Task>& list) const
   {
-    const Range range = field_.nodeRange(place.path.node(), parent);
+    const Range range = field_.nodeRange(place.node(), parent);
     if (!crosses(range))
     {
       return;
     }
-    const bool subtree = place.path.depth() >= subtreeDepth_;
-    const Octree::Children children = octree_.children(place.path.node().index());
+    const bool subtree = place.depth() >= subtreeDepth_;
+    const Octree::Children children = octree_.children(place.node().index());
     if (subtree || children.leaf != 0)
     {
-      list.push_back({ place.path.index(), place.path.depth(), subtree });
+      list.push_back({ place.index(), place.depth(), subtree });
     }
     for (unsigned rest = subtree ? 0 : children.inner(); rest != 0; rest &= rest - 1)
     {
@@ -148,17 +126,17 @@ private:
     }
   }
 
-  void visit(Place& place, Range parent, BlockContour& block, ContourPart& part) const
+  void visit(TreePath& place, Range parent, BlockContour& block, ContourPart& part) const
   {
-    const Range range = field_.nodeRange(place.path.node(), parent);
+    const Range range = field_.nodeRange(place.node(), parent);
     if (!crosses(range))
     {
       return;
     }
-    const Octree::Children children = octree_.children(place.path.node().index());
+    const Octree::Children children = octree_.children(place.node().index());
     if (children.leaf != 0)
     {
-      block.extract(place.path, place.blockPath, part);
+      block.extract(place, part);
     }
     for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
     {
@@ -329,13 +307,7 @@ private:
       {
         index[a] = block_.index[a] + offset[a];
       }
-      BlockPath path;
-      for (int up = block_.depth - 1; up >= 0; --up)
-      {
-        const int octant = octantOf(index, up);
-        path.descend(octant, octree_.children(path.node[path.depth]).innerIndex(octant));
-      }
-      evaluator_.compute(path, BlockCells::Leaves, located.vertices);
+      evaluator_.compute(BlockPath(octree_, index, block_.depth), BlockCells::Leaves, located.vertices);
       located.planes = blockPlanes(octree_.grid(), index, block_.depth);
       located.known = true;
     }

@@ -15,15 +15,6 @@ using namespace block;
 namespace
 {
 
-void prefetch(const float* address) noexcept
-{
-#if defined(__GNUC__)
-  __builtin_prefetch(address);
-#else
-  static_cast<void>(address);
-#endif
-}
-
 template <unsigned Axes>
 const double* weightsOf(unsigned refined) noexcept
 {

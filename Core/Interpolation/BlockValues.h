@@ -6,6 +6,7 @@
 
 #include "Interpolation/BlockLattice.h"
 #include "Octree/Field.h"
+#include "Octree/TreePath.h"
 
 #include <array>
 #include <cstdint>
@@ -28,6 +29,29 @@ struct BlockPath
   int depth = 0;
   std::array<std::uint64_t, Octree::maxDepth + 1> node{}; // by depth; the root is 0
   std::array<std::uint8_t, Octree::maxDepth> octant{};    // of the node below each depth
+
+  BlockPath() noexcept = default;
+  /// To the inner node that a path has arrived at.
+  explicit BlockPath(const TreePath& path) noexcept
+  {
+    for (int d = 1; d <= path.depth(); ++d)
+    {
+      const std::array<Coord, 3>& index = path.index(d);
+      descend(static_cast<int>((index[0] & 1) | (index[1] & 1) << 1 | (index[2] & 1) << 2),
+        path.around(d)[13].index());
+    }
+  }
+
+  /// To the inner node at an index on the lattice of a depth: it must exist.
+  BlockPath(const Octree& octree, const std::array<Coord, 3>& index, int to) noexcept
+  {
+    for (int up = to - 1; up >= 0; --up)
+    {
+      const int at =
+        static_cast<int>((index[0] >> up & 1) | (index[1] >> up & 1) << 1 | (index[2] >> up & 1) << 2);
+      descend(at, octree.children(node[depth]).innerIndex(at));
+    }
+  }
 
   void descend(int childOctant, std::uint64_t child) noexcept
   {

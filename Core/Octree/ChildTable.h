@@ -6,6 +6,7 @@
 #pragma once
 
 #include "Octree/NodeRef.h"
+#include "Prefetch.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -86,14 +87,7 @@ public:
     const Base& base = bases_[node >> BlockBits];
     return { n.masks.exists, n.masks.leaf, base.inner + n.innerDelta, base.leaf + n.leafDelta };
   }
-  void prefetch(std::uint64_t node) const noexcept
-  {
-#if defined(__GNUC__)
-    __builtin_prefetch(nodes_.data() + node);
-#else
-    static_cast<void>(node);
-#endif
-  }
+  void prefetch(std::uint64_t node) const noexcept { treeamr::prefetch(nodes_.data() + node); }
 
   /// Allocated bytes.
   std::size_t byteSize() const noexcept

@@ -190,7 +190,7 @@ SurfaceBlocks::Worker& SurfaceBlocks::worker() const
   std::unique_ptr<Worker>& worker = workers_.local();
   if (!worker)
   {
-    worker.reset(new Worker{ BlockEvaluator(*field_), {}, ChunkPool<Chunk>::Writer(pool_), {} });
+    worker.reset(new Worker{ BlockEvaluator(*field_), ChunkPool<Chunk>::Writer(pool_), {} });
   }
   return *worker;
 }
@@ -230,21 +230,6 @@ std::size_t SurfaceBlocks::byteSize() const noexcept
   return blocks_.capacity() * sizeof(blocks_[0]);
 }
 
-void SurfaceBlocks::findPath(const SurfaceBlock& block, BlockPath& path) const noexcept
-{
-  path.depth = 0;
-  path.node[0] = field_->octree().root().index();
-  for (int up = block.depth() - 1; up >= 0; --up)
-  {
-    int octant = 0;
-    for (int a = 0; a < 3; ++a)
-    {
-      octant |= static_cast<int>(block.index(a) >> up & 1) << a;
-    }
-    path.descend(octant, field_->octree().children(path.node[path.depth]).innerIndex(octant));
-  }
-}
-
 std::uint64_t SurfaceBlocks::activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept
 {
   std::uint64_t octants = 0;
@@ -278,9 +263,9 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   }
   else
   {
-    findPath(block, worker.path);
-    worker.evaluator.computeUnrounded(worker.path, record.values);
-    const Octree::Children children = octree.children(worker.path.node[worker.path.depth]);
+    const BlockPath path(octree, { block.index(0), block.index(1), block.index(2) }, block.depth());
+    worker.evaluator.computeUnrounded(path, record.values);
+    const Octree::Children children = octree.children(path.node[path.depth]);
     drawn = children.leaf;
     for (unsigned rest = octree.hasGhosts() ? drawn : 0; rest != 0; rest &= rest - 1)
     {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "Interpolation/BlockValues.h"
+#include "Prefetch.h"
 #include "RayTracing/ChunkPool.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
@@ -68,12 +69,10 @@ struct alignas(64) SurfaceRecord
   /// Announces that it will be read.
   void prefetch() const noexcept
   {
-#if defined(__GNUC__)
     for (std::size_t i = 0; i < values.size(); i += 64 / sizeof(values[0]))
     {
-      __builtin_prefetch(values.data() + i);
+      treeamr::prefetch(values.data() + i);
     }
-#endif
   }
 };
 
@@ -114,7 +113,6 @@ private:
   struct Worker
   {
     BlockEvaluator evaluator;
-    BlockPath path;
     ChunkPool<Chunk>::Writer writer;
     SurfaceRecord unkept;
   };
@@ -124,8 +122,6 @@ private:
   Worker& worker() const;
   void evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept;
   const SurfaceRecord& compute(SurfaceBlock& block) const;
-  /// The inner nodes from the root down to the block's.
-  void findPath(const SurfaceBlock& block, BlockPath& path) const noexcept;
   /// Which octants of drawn leaves an isovalue passes through.
   std::uint64_t activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept;
 

@@ -19,28 +19,6 @@ namespace treeamr::bench
 namespace
 {
 
-/// The inner nodes of a TreePath, for BlockEvaluator, beside it.
-struct Place
-{
-  explicit Place(const Octree& octree)
-    : tree(octree)
-  {
-  }
-  void descend(int octant) noexcept
-  {
-    tree.descend(octant);
-    block.descend(octant, tree.node().index());
-  }
-  void ascend() noexcept
-  {
-    tree.ascend();
-    block.ascend();
-  }
-
-  TreePath tree;
-  BlockPath block;
-};
-
 /// Corner or octant o of a cube of a lattice of n points per axis.
 constexpr int cornerOffset(int o, int n)
 {
@@ -155,30 +133,30 @@ public:
 
   Primitives primitives(Extraction extraction)
   {
-    const auto leaves = [this](Place& at, State& state, bool dualCells) {
-      forEachLeaf(at, [&] { addLeaf(at.tree, dualCells, state); });
+    const auto leaves = [this](TreePath& at, State& state, bool dualCells) {
+      forEachLeaf(at, [&] { addLeaf(at, dualCells, state); });
     };
     switch (extraction)
     {
       case Extraction::Naive:
-        walk(Nodes::All, [&](Place& at, State& state) { leaves(at, state, false); });
+        walk(Nodes::All, [&](TreePath& at, State& state) { leaves(at, state, false); });
         break;
       case Extraction::DualCells:
-        walk(Nodes::All, [&](Place& at, State& state) { leaves(at, state, true); });
+        walk(Nodes::All, [&](TreePath& at, State& state) { leaves(at, state, true); });
         break;
       case Extraction::Filtered:
-        walk(Nodes::MayHoldIsovalue, [&](Place& at, State& state) { addBlock(at, state); });
+        walk(Nodes::MayHoldIsovalue, [&](TreePath& at, State& state) { addBlock(at, state); });
     }
     return joined();
   }
 
   std::uint64_t activeCells()
   {
-    walk(Nodes::MayHoldIsovalue, [&](Place& at, State& state) {
+    walk(Nodes::MayHoldIsovalue, [&](TreePath& at, State& state) {
       forEachLeaf(at, [&] {
         // All octants share the middle: where the hull of them holds the isovalue, one of them does.
-        state.activeCells += !octree_.isGhost(at.tree.node().index()) &&
-          contains(hull(vertexValues<VertexRule::GTI>(at.tree, field_, state.memo)), isovalue_);
+        state.activeCells += !octree_.isGhost(at.node().index()) &&
+          contains(hull(vertexValues<VertexRule::GTI>(at, field_, state.memo)), isovalue_);
       });
     });
     return std::accumulate(states_.begin(), states_.end(), std::uint64_t(0),
@@ -218,36 +196,36 @@ private:
   template <class Visit>
   void walk(Nodes nodes, const Visit& visit)
   {
-    Place at(octree_);
-    if (at.tree.node().isLeaf())
+    TreePath at(octree_);
+    if (at.node().isLeaf())
     {
       visit(at, states_.local());
     }
-    else if (at.tree.node().isInner())
+    else if (at.node().isInner())
     {
       walkInner(at, field_.range(), nodes, visit);
     }
   }
 
   template <class Visit>
-  void walkInner(Place& at, Range parent, Nodes nodes, const Visit& visit)
+  void walkInner(TreePath& at, Range parent, Nodes nodes, const Visit& visit)
   {
-    const Range range = field_.nodeRange(at.tree.node(), parent);
+    const Range range = field_.nodeRange(at.node(), parent);
     if (nodes == Nodes::MayHoldIsovalue && !contains(range, isovalue_))
     {
       return;
     }
-    const Octree::Children children = octree_.children(at.tree.node().index());
+    const Octree::Children children = octree_.children(at.node().index());
     if (children.leaf != 0)
     {
       visit(at, states_.local());
     }
-    const auto walkChild = [&](Place& own, int octant) {
+    const auto walkChild = [&](TreePath& own, int octant) {
       own.descend(octant);
       walkInner(own, range, nodes, visit);
       own.ascend();
     };
-    if (at.tree.depth() >= serialDepth_)
+    if (at.depth() >= serialDepth_)
     {
       for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
       {
@@ -258,7 +236,7 @@ private:
     tbb::parallel_for(0, 8, [&](int octant) {
       if (children.inner() >> octant & 1)
       {
-        Place own(at);
+        TreePath own(at);
         walkChild(own, octant);
       }
     });
@@ -266,18 +244,18 @@ private:
 
   /// Calls visit() with the path at each leaf among a node's children, or at the node itself if it is one.
   template <class Visit>
-  void forEachLeaf(Place& at, const Visit& visit) const
+  void forEachLeaf(TreePath& at, const Visit& visit) const
   {
-    if (at.tree.node().isLeaf())
+    if (at.node().isLeaf())
     {
       visit();
       return;
     }
-    for (unsigned rest = octree_.children(at.tree.node().index()).leaf; rest != 0; rest &= rest - 1)
+    for (unsigned rest = octree_.children(at.node().index()).leaf; rest != 0; rest &= rest - 1)
     {
-      at.tree.descend(std::countr_zero(rest));
+      at.descend(std::countr_zero(rest));
       visit();
-      at.tree.ascend();
+      at.ascend();
     }
   }
 
@@ -344,17 +322,17 @@ private:
   }
 
   /// The same of all leaves among a node's children at once.
-  void addBlock(const Place& at, State& state) const
+  void addBlock(const TreePath& at, State& state) const
   {
-    if (at.tree.node().isLeaf())
+    if (at.node().isLeaf())
     {
-      addLeaf(at.tree, true, state);
+      addLeaf(at, true, state);
       return;
     }
-    const Slots slots = gatherSlots(at.tree, field_);
-    const int level = at.tree.depth() - padding_ + 2;
+    const Slots slots = gatherSlots(at, field_);
+    const int level = at.depth() - padding_ + 2;
     const auto latticeIndex = [&](int x, int y, int z) { // in half cells from the node's corner
-      const std::array<Coord, 3>& index = at.tree.index();
+      const std::array<Coord, 3>& index = at.index();
       return std::array<Coord, 3>{ 4 * index[0] + x, 4 * index[1] + y, 4 * index[2] + z };
     };
     std::uint32_t dualCells = 0; // mask of the places 3 x 3 x 3 that reach into the node
@@ -398,7 +376,7 @@ private:
       return;
     }
     BlockValues block;
-    state.evaluator.compute(at.block, BlockCells::Leaves, block);
+    state.evaluator.compute(BlockPath(at), BlockCells::Leaves, block);
     for (int i = 0; i < count; ++i)
     {
       const int child = octants[i] >> 3;

@@ -35,13 +35,7 @@ TEST(BlockValues, EqualThoseOfEachLeafBitForBit)
       {
         return;
       }
-      BlockPath path;
-      for (int depth = 1; depth <= at.depth(); ++depth)
-      {
-        const auto& index = at.index(depth);
-        path.descend(static_cast<int>((index[0] & 1) | (index[1] & 1) << 1 | (index[2] & 1) << 2),
-          at.around(depth)[13].index());
-      }
+      const BlockPath path(at);
       BlockValues block;
       evaluator.compute(path, BlockCells::Leaves, block);
       Range all{ 1e30f, -1e30f };
@@ -104,13 +98,7 @@ TEST(BlockValues, GiveAVertexOneValueBitForBit)
       {
         return;
       }
-      BlockPath path;
-      for (int depth = 1; depth <= at.depth(); ++depth)
-      {
-        const auto& index = at.index(depth);
-        path.descend(static_cast<int>((index[0] & 1) | (index[1] & 1) << 1 | (index[2] & 1) << 2),
-          at.around(depth)[13].index());
-      }
+      const BlockPath path(at);
       BlockValues block;
       evaluator.compute(path, BlockCells::Leaves, block);
       const int up = field.octree().grid().paddingDepth() + field.octree().leafLevels() - at.depth();

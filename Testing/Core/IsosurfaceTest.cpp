@@ -1,9 +1,9 @@
 #include "RayTracing/Isosurface.h"
 #include "Error.h"
-#include "Octree/OctreeBuilder.h"
 #include "RayTracing/CubicRoot.h"
 #include "Support/BruteForceGTI.h"
 #include "Support/Cameras.h"
+#include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
@@ -18,19 +18,6 @@ using namespace treeamr::test;
 
 namespace
 {
-
-std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
-{
-  auto built = buildOctree(grid, cells);
-  auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
-  return field;
-}
-
-RootGrid unitRoots(const std::array<int, 3>& roots)
-{
-  return RootGrid::uniform(roots, { 0., 0., 0. }, { 1., 1., 1. });
-}
 
 Vec3 at(const Ray& ray, double t)
 {

@@ -3,6 +3,7 @@
 #include "RayTracing/Shading.h"
 #include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
+#include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
@@ -16,19 +17,6 @@ using namespace treeamr::test;
 
 namespace
 {
-
-std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
-{
-  auto built = buildOctree(grid, cells);
-  auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
-  return field;
-}
-
-RootGrid unitCube()
-{
-  return RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. });
-}
 
 /// Length of a ray (unit direction, from its origin) inside the box, by clipping against six planes.
 double chord(const Ray& ray, const Vec3& low, const Vec3& high)
@@ -190,7 +178,7 @@ TEST(Volume, HomogeneousCubeIsExact)
   const RandomTree options{ 2, { 1, 1, 1 }, 5, 0.6, 0., false };
   auto cells = makeRandomTree(options);
   setValues(cells, [](const auto&) { return 0.25; });
-  const auto field = makeField(unitCube(), cells);
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
   // Outside, inside, and parallel.
   const Matrix4 cameras[]{ multiply(perspective(50., 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })),
     multiply(perspective(80., 1e-4, 9.), lookAt({ 0.4, 0.45, 0.6 }, { 0.9, 0.2, 0.1 })),
@@ -277,7 +265,7 @@ TEST(Volume, PlanesInAHomogeneousCubeAreExact)
 {
   auto cells = makeRandomTree({ 2, { 1, 1, 1 }, 5, 0.6, 0., false });
   setValues(cells, [](const auto&) { return 0.25; });
-  const auto field = makeField(unitCube(), cells);
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
   // The last one is outside of the cube: seen as well.
   const std::vector<ColoredPlane> planes{ { 0.3, { 1.f, 0.f, 0.5f, 0.3f } },
     { 0.625, { 0.2f, 0.7f, 0.1f, 0.6f } }, { 0.63, { 0.f, 0.f, 1.f, 0.f } },
@@ -403,7 +391,7 @@ TEST(Volume, ConvergesWithTheStep)
 
 TEST(Volume, RejectsBadSettings)
 {
-  const auto field = makeField(unitCube(), { { {}, 0.5f } });
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), { { {}, 0.5f } });
   const Camera camera(
     multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 0., 0., 0. })), identityMatrix, 8, 8);
   Image wrong(8, 9);
@@ -412,7 +400,7 @@ TEST(Volume, RejectsBadSettings)
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, { 0., true }, right), Error);
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, { NAN, true }, right), Error);
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, { 1e30, true }, right), Error);
-  auto built = buildOctree(unitCube(), std::vector<LeafCell>{});
+  auto built = buildOctree(unitRoots({ 1, 1, 1 }), std::vector<LeafCell>{});
   Field empty(built.octree, built.values);
   renderVolume(empty, constant(1.f), camera, {}, {}, right);
   EXPECT_EQ(right.rgba, std::vector<float>(256, 0.f));

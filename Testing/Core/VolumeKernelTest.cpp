@@ -4,6 +4,7 @@
 #include "RayTracing/VolumeReference.h"
 #include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
+#include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 
@@ -22,17 +23,9 @@ namespace
 constexpr int width = 61;
 constexpr int height = 53;
 
-std::shared_ptr<const Field> makeField(std::vector<LeafCell> cells, const RootGrid& grid)
+std::shared_ptr<const Field> randomField(const RandomTree& options)
 {
-  auto built = buildOctree(grid, std::move(cells));
-  auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
-  return field;
-}
-
-std::shared_ptr<const Field> makeField(const RandomTree& options)
-{
-  return makeField(makeRandomTree(options), RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }));
+  return makeField(unitRoots(options.roots), makeRandomTree(options));
 }
 
 /// Smooth, and fine enough that reading the nearest entry is as good as interpolating.
@@ -52,7 +45,7 @@ TransferFunction smooth()
 std::shared_ptr<const Field> makeWaves(std::vector<LeafCell> cells)
 {
   setValues(cells, [](const auto& p) { return std::sin(3. * p[0] + p[1]) * std::cos(2. * p[2]); });
-  return makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  return makeField(unitRoots({ 2, 2, 2 }), cells);
 }
 
 struct View
@@ -126,7 +119,7 @@ float largestDifference(const Image& a, const Image& b)
 
 TEST(VolumeKernel, EqualsTheReferenceOnEveryTarget)
 {
-  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
   const TransferFunction transferFunction = smooth();
   VolumeSettings settings;
   // A ray whose way is a whole number of steps long, but for rounding, may take one more: with many the
@@ -156,7 +149,7 @@ TEST(VolumeKernel, EqualsTheReferenceOnEveryTarget)
 
 TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
 {
-  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
   VolumeSettings settings;
   settings.samplesPerCell = 64.;
   for (const View& view : views())
@@ -199,7 +192,7 @@ TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
 
 TEST(VolumeKernel, EveryTargetGivesTheSameBits)
 {
-  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
   // Smooth, and with spikes that are integrated.
   std::vector<TransferFunction::Entry> spikes(4096, { 0.9f, 0.5f, 0.1f, 0.f });
   for (std::size_t i = 100; i < spikes.size(); i += 400)
@@ -260,7 +253,7 @@ std::size_t smallestBudget(const Octree& octree)
 
 TEST(VolumeKernel, RaysWithoutAPartLeaveTheOthersAlone)
 {
-  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
   std::vector<float> begin(width * height, 0.f);
   for (int y = 0; y < height; y += 3)
   {
@@ -294,7 +287,7 @@ TEST(VolumeKernel, RaysWithoutAPartLeaveTheOthersAlone)
 
 TEST(VolumeKernel, KeptValuesNeverChangeABit)
 {
-  const auto field = makeField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
   const Octree& octree = field->octree();
   VertexCache none(octree, 0);
@@ -321,7 +314,7 @@ TEST(VolumeKernel, KeptValuesNeverChangeABit)
 
 TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
 {
-  const auto field = makeField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
+  const auto field = randomField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
   const Octree& octree = field->octree();
   ASSERT_GT(octree.innerCount(), 400u);
   VertexCache kept(octree, smallestBudget(octree));
@@ -350,7 +343,7 @@ TEST(VolumeKernel, UnitsAndOffsetsDoNotMatter)
   Image expected(width, height);
   VolumeSettings settings;
   settings.samplesPerCell = 64.;
-  renderVolume(*makeField(options), smooth(), camera, {}, settings, expected);
+  renderVolume(*randomField(options), smooth(), camera, {}, settings, expected);
   for (const double size : { 1e-9, 1., 1e9 })
   {
     const double offset = 1e6 / 32. * size;
@@ -358,8 +351,8 @@ TEST(VolumeKernel, UnitsAndOffsetsDoNotMatter)
       -offset / size, 0, 0, 0, 1 };
     const Camera placed(multiply(views().front().clip, toUnit), toUnit, width, height);
     Image image(width, height);
-    renderVolume(*makeField(makeRandomTree(options),
-                   RootGrid::uniform({ 2, 2, 2 }, { offset, offset, offset }, { size, size, size })),
+    renderVolume(*makeField(RootGrid::uniform({ 2, 2, 2 }, { offset, offset, offset }, { size, size, size }),
+                   makeRandomTree(options)),
       smooth(), placed, {}, settings, image);
     EXPECT_LT(largestDifference(image, expected), 1e-3f) << size;
   }
@@ -400,8 +393,7 @@ TEST(VolumeKernel, SpikesNarrowerThanAnyStepAreIntegrated)
   // wherever it falls between samples.
   auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
   setValues(cells, [](const auto& p) { return p[2]; });
-  const auto field =
-    makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  const auto field = makeField(unitRoots({ 2, 2, 2 }), cells);
   const Camera camera(views().back().clip, identityMatrix, width, height);
   ASSERT_STREQ(views().back().name, "along an axis");
   constexpr int size = 4096;
@@ -425,8 +417,7 @@ TEST(VolumeKernel, OpaqueEntriesLeaveTheOthersTheirDigits)
   // Opaque values below and above those that are seen: sums over the table must not lose what lies between.
   auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
   setValues(cells, [](const auto& p) { return 0.5 + 0.5 * p[2]; });
-  const auto field =
-    makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  const auto field = makeField(unitRoots({ 2, 2, 2 }), cells);
   const Camera camera(views().back().clip, identityMatrix, width, height);
   std::vector<TransferFunction::Entry> entries(4096, { 1.f, 1.f, 1.f, 0.f });
   for (std::size_t i = 0; i < entries.size(); ++i)
@@ -453,8 +444,7 @@ TEST(VolumeKernel, AHullFarWiderThanTheTableKeepsItsDigits)
   {
     cells[i].value = 1e6f;
   }
-  const auto field =
-    makeField(std::move(cells), RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }));
+  const auto field = makeField(unitRoots({ 2, 2, 2 }), cells);
   const Camera camera(views().front().clip, identityMatrix, width, height);
   VolumeSettings settings;
   settings.samplesPerCell = 512.;

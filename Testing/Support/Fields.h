@@ -1,0 +1,28 @@
+// Fields for tests.
+#pragma once
+
+#include "Octree/OctreeBuilder.h"
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace treeamr::test
+{
+
+/// With node ranges.
+inline std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
+{
+  auto built = buildOctree(grid, cells);
+  auto field = std::make_shared<Field>(built.octree, built.values);
+  field->computeNodeRanges();
+  return field;
+}
+
+/// Roots are unit cubes from the origin on.
+inline RootGrid unitRoots(const std::array<int, 3>& roots)
+{
+  return RootGrid::uniform(roots, { 0., 0., 0. }, { 1., 1., 1. });
+}
+
+} // namespace treeamr::test
