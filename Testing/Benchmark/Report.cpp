@@ -3,6 +3,7 @@
 #include "Error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -16,6 +17,7 @@ namespace
 {
 
 constexpr int nameWidth = 16;
+constexpr int labelWidth = 20;
 constexpr int minColumnWidth = 8;
 
 int columnWidth(const Figure& figure)
@@ -45,6 +47,10 @@ void Report::add(Row row)
   if (rows_.empty())
   {
     std::printf("%-*s", nameWidth, key_);
+    for (const auto& [key, value] : row.labels)
+    {
+      std::printf("  %-*s", labelWidth, key);
+    }
     for (const Figure& f : row.figures)
     {
       if (f.heading)
@@ -55,6 +61,10 @@ void Report::add(Row row)
     std::printf("\n");
   }
   std::printf("%-*s", nameWidth, row.dataSet.c_str());
+  for (const auto& [key, value] : row.labels)
+  {
+    std::printf("  %-*s", labelWidth, value.c_str());
+  }
   for (const Figure& f : row.figures)
   {
     if (f.heading)
@@ -82,11 +92,23 @@ void writeJson(const std::string& path, const std::vector<const Report*>& report
     for (const Row& row : report->rows_)
     {
       out << separator << "    {\"dataset\": \"" << row.dataSet << '"';
+      for (const auto& [key, value] : row.labels)
+      {
+        out << ", \"" << key << "\": \"" << value << '"';
+      }
       for (const Figure& f : row.figures)
       {
         if (f.key)
         {
-          out << ", \"" << f.key << "\": " << f.value;
+          out << ", \"" << f.key << "\": ";
+          if (std::isfinite(f.value))
+          {
+            out << f.value;
+          }
+          else
+          {
+            out << "null"; // JSON has no other
+          }
         }
       }
       out << '}';

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace treeamr::bench
@@ -20,6 +21,7 @@ struct Row
 {
   std::string dataSet;
   std::vector<Figure> figures;
+  std::vector<std::pair<const char*, std::string>> labels = {}; // key and value; columns of the table, too
 };
 
 class Report

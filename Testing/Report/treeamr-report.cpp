@@ -1,0 +1,116 @@
+// Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are those of
+// the whole process on all threads.
+//
+// treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface]
+//
+// Prints tables and writes them to FILE: one list for each part, one row for each setting. --brief is for continuous
+// integration: the first data set alone, in a small picture, with few settings.
+#include "FieldError.h"
+#include "IsosurfaceError.h"
+#include "Options.h"
+#include "Report.h"
+#include "VolumeError.h"
+
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace treeamr::report
+{
+
+namespace
+{
+
+struct Arguments
+{
+  Options options;
+  std::string json;
+  std::string part; // empty: all
+};
+
+/// Nothing when they are not understood.
+std::optional<Arguments> parse(int argc, char* argv[])
+{
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i)
+  {
+    const std::string_view name = argv[i];
+    if (name == "--brief")
+    {
+      arguments.options.brief = true;
+    }
+    else if (name == "--json" && i + 1 < argc)
+    {
+      arguments.json = argv[++i];
+    }
+    else if (name == "--part" && i + 1 < argc)
+    {
+      arguments.part = argv[++i];
+      if (arguments.part != "volume" && arguments.part != "field" && arguments.part != "isosurface")
+      {
+        return std::nullopt;
+      }
+    }
+    else if (arguments.options.folder.empty() && !name.starts_with('-'))
+    {
+      arguments.options.folder = name;
+    }
+    else
+    {
+      return std::nullopt;
+    }
+  }
+  if (arguments.options.folder.empty() || arguments.json.empty())
+  {
+    return std::nullopt;
+  }
+  return arguments;
+}
+
+void run(const Arguments& arguments)
+{
+  bench::Report volume("volume");
+  bench::Report field("field");
+  bench::Report isosurface("isosurface");
+  const auto wanted = [&](std::string_view part) { return arguments.part.empty() || arguments.part == part; };
+  if (wanted("volume"))
+  {
+    measureVolumeError(arguments.options, volume);
+  }
+  if (wanted("field"))
+  {
+    measureFieldError(arguments.options, field);
+  }
+  if (wanted("isosurface"))
+  {
+    measureIsosurfaceError(arguments.options, isosurface);
+  }
+  bench::writeJson(arguments.json, { &volume, &field, &isosurface });
+}
+
+} // namespace
+
+} // namespace treeamr::report
+
+int main(int argc, char* argv[])
+{
+  const auto arguments = treeamr::report::parse(argc, argv);
+  if (!arguments)
+  {
+    std::fprintf(
+      stderr, "usage: treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface]\n");
+    return 2;
+  }
+  try
+  {
+    treeamr::report::run(*arguments);
+  }
+  catch (const std::exception& error)
+  {
+    std::fprintf(stderr, "treeamr-report: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
