@@ -301,6 +301,10 @@ struct Isosurface::Impl
     rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
     rtcSetGeometryIntersectFunction(geometry, intersectBlock);
     rtcSetGeometryOccludedFunction(geometry, occludeBlock);
+    // Three times as fast to build as Embree's default, for frames that take 1 or 2 % longer; the scene's quality
+    // alone makes frames 25 % slower.
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
