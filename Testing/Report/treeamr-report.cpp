@@ -73,7 +73,9 @@ void run(const Arguments& arguments)
 {
   bench::Report volume("volume");
   bench::Report field("field");
+  bench::Report fieldOrders("field_orders");
   bench::Report isosurface("isosurface");
+  bench::Report isosurfaceOrders("isosurface_orders");
   const auto wanted = [&](std::string_view part) { return arguments.part.empty() || arguments.part == part; };
   if (wanted("volume"))
   {
@@ -81,13 +83,13 @@ void run(const Arguments& arguments)
   }
   if (wanted("field"))
   {
-    measureFieldError(arguments.options, field);
+    measureFieldError(arguments.options, field, fieldOrders);
   }
   if (wanted("isosurface"))
   {
-    measureIsosurfaceError(arguments.options, isosurface);
+    measureIsosurfaceError(arguments.options, isosurface, isosurfaceOrders);
   }
-  bench::writeJson(arguments.json, { &volume, &field, &isosurface });
+  bench::writeJson(arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders });
 }
 
 } // namespace
