@@ -48,8 +48,8 @@ std::vector<Surface> makeSurfaces()
   const auto torus = [=](const Vec3& p) {
     const Vec3 axis = normalized({ 1., 2., 3. });
     const Vec3 d = p - centre;
-    const double height = dot(d, axis);
-    return std::hypot(std::sqrt(dot(d, d) - height * height) - 0.22, height);
+    const Vec3 across = cross(d, axis);
+    return std::hypot(std::sqrt(dot(across, across)) - 0.22, dot(d, axis));
   };
   return { { "sphere", sphere, 0.34 }, { "torus", torus, 0.12 } };
 }
