@@ -15,6 +15,7 @@
 #include <map>
 #include <random>
 #include <span>
+#include <utility>
 
 namespace treeamr::report
 {
@@ -38,7 +39,7 @@ constexpr std::array<NamedMethod, 5> methods{ { { "nearest", InterpolationMethod
 
 constexpr std::array<const char*, 3> regions{ "inside", "near", "away" };
 
-/// At least the unrefined tree's coarsest width away from the domain's end.
+/// At least the width of a root away from the domain's end: no missing cell takes part.
 std::vector<Vec3> randomPoints(std::size_t count)
 {
   std::mt19937 random(17);
