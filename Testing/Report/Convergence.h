@@ -33,8 +33,8 @@ struct ConvergenceOrder
   double ofMean;
 };
 
-/// Of errors at widths that halve from one to the next, by least squares; NaN for less than two errors and for
-/// zeros.
+/// Of errors at widths that halve from one to the next, by least squares; NaN for less than two errors and
+/// for zeros.
 ConvergenceOrder fittedOrder(const std::vector<ErrorNorms>& errors);
 
 } // namespace treeamr::report

@@ -36,8 +36,8 @@ struct Surface
   double isovalue;
 };
 
-/// Off the cells' planes, and the width of a root refined once away from the domain's end: no missing cell takes
-/// part.
+/// Off the cells' planes, and the width of a root refined once away from the domain's end: no missing cell
+/// takes part.
 std::vector<Surface> makeSurfaces()
 {
   constexpr Vec3 centre{ 0.51, 0.49, 0.505 };

@@ -1,5 +1,5 @@
-// Adaptive trees on the unit cube whose level boundaries stay where they are while every leaf is refined, filled
-// with fields that are known everywhere: what orders of convergence are measured on.
+// Adaptive trees on the unit cube whose level boundaries stay where they are while every leaf is refined,
+// filled with fields that are known everywhere: what orders of convergence are measured on.
 #pragma once
 
 #include "Octree/Field.h"
@@ -31,8 +31,8 @@ struct BaseTree
   double finestWidth(int refinement) const;
 };
 
-/// "uniform", "one-level" and "four-levels": how far levels of neighbours are apart at most. In the latter two,
-/// some roots are leaves.
+/// "uniform", "one-level" and "four-levels": how far levels of neighbours are apart at most. In the latter
+/// two, some roots are leaves.
 std::vector<BaseTree> makeBaseTrees();
 
 /// Every leaf refined so many times; values are those at the cells' centres.

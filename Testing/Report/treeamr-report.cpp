@@ -1,11 +1,11 @@
-// Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are those of
-// the whole process on all threads.
+// Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are
+// those of the whole process on all threads.
 //
 // treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface]
 //
-// Prints tables and writes them to FILE: one list for each part, one row for each setting, and lists of the orders
-// at which errors of field and isosurface fall. --brief is for continuous integration: the first data set alone,
-// in a small picture, with few settings. Field and isosurface need no forests.
+// Prints tables and writes them to FILE: one list for each part, one row for each setting, and lists of the
+// orders at which errors of field and isosurface fall. --brief is for continuous integration: the first data
+// set alone, in a small picture, with few settings. Field and isosurface need no forests.
 #include "FieldError.h"
 #include "IsosurfaceError.h"
 #include "Options.h"
