@@ -11,7 +11,9 @@ trilinear interpolation, where that is in FOLDER.
 Isosurfaces are seen from the same place. Open edges are those of one polygon alone, away from the domain's
 end. On the data set sphere-0.3M, whose values are distances from the cube's centre, errors are the distances
 from the sphere of radius 0.3 of the points that the pixels show and of the mesh's own points, in edge lengths
-of the domain.
+of the domain; and the angles, in degrees, between the sphere's normals and those that the pixels are shaded
+with, which their 8-bit colours tell to 0.2 degrees, and those of the mesh (of its polygons, where its points
+have none).
 
 usage: python3 peers.py FOLDER [--part volume|isosurface] [--datasets NAME...] [--routes ROUTE...]
        [--timeout SECONDS]
@@ -71,7 +73,9 @@ PARTS = {
     "isosurface": Part("isosurface_peers", SURFACE_ROUTES, list(SURFACE_ROUTES), SURFACE_DATASETS, [
         ("polygons", "polygons", "d"), ("open", "open_edges", "d"),
         ("seen max", "seen_distance_max", ".1e"), ("mean", "seen_distance_mean", ".1e"),
-        ("mesh max", "mesh_distance_max", ".1e"), ("mean", "mesh_distance_mean", ".1e")]),
+        ("mesh max", "mesh_distance_max", ".1e"), ("mean", "mesh_distance_mean", ".1e"),
+        ("seen deg", "seen_angle_max", ".2f"), ("mean", "seen_angle_mean", ".3f"),
+        ("mesh deg", "mesh_angle_max", ".2f"), ("mean", "mesh_angle_mean", ".3f")]),
 }
 
 
@@ -172,8 +176,8 @@ def open_edges(mesh):
     return int(((middles > 0.04) & (middles < 0.96)).all(axis=1).sum())
 
 
-def seen_points(view):
-    """Where the pixels' rays meet the surface, of those that do."""
+def seen(view):
+    """Which pixels' rays meet the surface, and where: pixels as a mask, lower row first."""
     import numpy
     from paraview.vtk.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkCommonCore import vtkFloatArray
@@ -187,15 +191,72 @@ def seen_points(view):
     matrix = view.GetActiveCamera().GetCompositeProjectionTransformMatrix(1, -1, 1)
     projection = numpy.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
     points = numpy.linalg.solve(projection, numpy.array(in_window))
-    return (points[:3] / points[3]).T
+    return depth < 1, (points[:3] / points[3]).T
 
 
-def sphere_distances(points, name):
+def shaded_normals(view):
+    """Of all pixels, lower row first, turned to the eye: a white surface in red, green and blue light along
+    the axes, from ahead and from behind, has the normal's components as its colours."""
+    from paraview import simple
+    from paraview.vtk.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+    view.UseLight = 0
+    for representation in view.Representations:
+        representation.DiffuseColor = [1, 1, 1]
+    lights = [simple.AddLight(view=view) for _ in range(3)]
+    pictures = []
+    for side in (1, -1):
+        for axis, light in enumerate(lights):
+            unit = [float(a == axis) for a in range(3)]
+            light.Type, light.DiffuseColor = "Directional", unit
+            light.Position, light.FocalPoint = [side * x for x in unit], [0, 0, 0]
+        simple.Render(view)
+        colours = vtkUnsignedCharArray()
+        view.GetRenderWindow().GetPixelData(0, 0, PIXELS - 1, PIXELS - 1, 0, colours, 0)
+        pictures.append(vtk_to_numpy(colours).astype(float).reshape(PIXELS, PIXELS, 3))
+    return pictures[0] - pictures[1]
+
+
+def mesh_normals(mesh):
+    """Points with normals: the mesh's own, else the polygons' middles and normals."""
+    from paraview.vtk.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkCellCenters, vtkPolyDataNormals
+
+    normals = mesh.GetPointData().GetNormals()
+    if not normals:
+        flat = vtkPolyDataNormals()
+        flat.SetInputData(mesh)
+        flat.ComputePointNormalsOff()
+        flat.ComputeCellNormalsOn()
+        flat.SplittingOff()
+        flat.ConsistencyOff()
+        middles = vtkCellCenters()
+        middles.SetInputConnection(flat.GetOutputPort())
+        middles.Update()
+        mesh = middles.GetOutput()
+        normals = mesh.GetPointData().GetNormals()
+    return vtk_to_numpy(mesh.GetPoints().GetData()), vtk_to_numpy(normals)
+
+
+def largest_and_mean(name, errors):
+    return {f"{name}_max": float(errors.max()), f"{name}_mean": float(errors.mean())}
+
+
+def sphere_distances(points):
     """From the isosurface of sphere-0.3M."""
     import numpy
 
-    distances = abs(numpy.linalg.norm(points - 0.5, axis=1) - ISOVALUES["sphere"])
-    return {f"{name}_distance_max": float(distances.max()), f"{name}_distance_mean": float(distances.mean())}
+    return abs(numpy.linalg.norm(points - 0.5, axis=1) - ISOVALUES["sphere"])
+
+
+def sphere_angles(points, normals):
+    """Degrees between the sphere's normals and others, of either side."""
+    import numpy
+
+    sine = numpy.linalg.norm(numpy.cross(points - 0.5, normals), axis=1)
+    cosine = abs(((points - 0.5) * normals).sum(axis=1))
+    return numpy.degrees(numpy.arctan2(sine, cosine))
 
 
 def surface_figures(view, dataset, source):
@@ -204,9 +265,13 @@ def surface_figures(view, dataset, source):
     mesh = source.GetClientSideObject().GetOutputDataObject(0) if source else None
     figures = {"polygons": mesh.GetNumberOfPolys(), "open_edges": open_edges(mesh)} if mesh else {}
     if dataset == "sphere-0.3M":
-        figures.update(sphere_distances(seen_points(view), "seen"))
+        pixels, points = seen(view)
+        figures.update(largest_and_mean("seen_distance", sphere_distances(points)))
+        figures.update(largest_and_mean("seen_angle", sphere_angles(points, shaded_normals(view)[pixels])))
         if mesh and mesh.GetNumberOfPoints() > 0:
-            figures.update(sphere_distances(vtk_to_numpy(mesh.GetPoints().GetData()), "mesh"))
+            mesh_points = vtk_to_numpy(mesh.GetPoints().GetData())
+            figures.update(largest_and_mean("mesh_distance", sphere_distances(mesh_points)))
+            figures.update(largest_and_mean("mesh_angle", sphere_angles(*mesh_normals(mesh))))
     return figures
 
 

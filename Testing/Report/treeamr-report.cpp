@@ -1,10 +1,11 @@
-// Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are those of
-// the whole process on all threads.
+// Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are
+// those of the whole process on all threads.
 //
 // treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface]
 //
-// Prints tables and writes them to FILE: one list for each part, one row for each setting. --brief is for continuous
-// integration: the first data set alone, in a small picture, with few settings.
+// Prints tables and writes them to FILE: one list for each part, one row for each setting, and lists of the
+// orders at which errors of field and isosurface fall. --brief is for continuous integration: the first data
+// set alone, in a small picture, with few settings. Field and isosurface need no forests.
 #include "FieldError.h"
 #include "IsosurfaceError.h"
 #include "Options.h"
@@ -73,7 +74,9 @@ void run(const Arguments& arguments)
 {
   bench::Report volume("volume");
   bench::Report field("field");
+  bench::Report fieldOrders("field_orders");
   bench::Report isosurface("isosurface");
+  bench::Report isosurfaceOrders("isosurface_orders");
   const auto wanted = [&](std::string_view part) { return arguments.part.empty() || arguments.part == part; };
   if (wanted("volume"))
   {
@@ -81,13 +84,13 @@ void run(const Arguments& arguments)
   }
   if (wanted("field"))
   {
-    measureFieldError(arguments.options, field);
+    measureFieldError(arguments.options, field, fieldOrders);
   }
   if (wanted("isosurface"))
   {
-    measureIsosurfaceError(arguments.options, isosurface);
+    measureIsosurfaceError(arguments.options, isosurface, isosurfaceOrders);
   }
-  bench::writeJson(arguments.json, { &volume, &field, &isosurface });
+  bench::writeJson(arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders });
 }
 
 } // namespace

@@ -1,0 +1,41 @@
+// Adaptive trees on the unit cube whose level boundaries stay where they are while every leaf is refined,
+// filled with fields that are known everywhere: what orders of convergence are measured on.
+#pragma once
+
+#include "Octree/Field.h"
+#include "Octree/OctreeBuilder.h"
+#include "RayTracing/Camera.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace treeamr::report
+{
+
+using AnalyticField = std::function<double(const Vec3&)>;
+
+/// By central differences.
+Vec3 gradientOf(const AnalyticField& field, const Vec3& p);
+
+/// Of 4 x 4 x 4 roots.
+struct BaseTree
+{
+  static constexpr int roots = 4;
+
+  std::string name;
+  std::vector<LeafCell> cells;
+  int levels; // of the deepest
+
+  double finestWidth(int refinement) const;
+};
+
+/// "uniform", "one-level" and "four-levels": how far levels of neighbours are apart at most. In the latter
+/// two, some roots are leaves.
+std::vector<BaseTree> makeBaseTrees();
+
+/// Every leaf refined so many times; values are those at the cells' centres.
+std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const AnalyticField& values);
+
+} // namespace treeamr::report
