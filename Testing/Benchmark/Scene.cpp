@@ -63,9 +63,8 @@ std::vector<Scene> makeScenes()
     { "sheet-23M", sheetTransferFunction(), 0.5, {} } };
 }
 
-Camera makeCamera()
+Camera makeCamera(int pixels)
 {
-  constexpr int pixels = 1000;
   const double elevation = 25. * std::numbers::pi / 180.;
   const double azimuth = 35. * std::numbers::pi / 180.;
   const Vec3 eye{ 0.5 + 1.6 * std::cos(elevation) * std::sin(azimuth), 0.5 + 1.6 * std::sin(elevation),

@@ -26,9 +26,9 @@ struct Scene
 /// From few cells to many.
 std::vector<Scene> makeScenes();
 
-/// 1000 x 1000 pixels, 1.6 edge lengths from the centre of the unit cube, elevation 25, azimuth 35 and 40
-/// degrees of vertical view.
-Camera makeCamera();
+/// A square picture, 1.6 edge lengths from the centre of the unit cube, elevation 25, azimuth 35 and 40 degrees of
+/// view. pixels: along an edge.
+Camera makeCamera(int pixels = 1000);
 
 /// In the unit cube.
 struct Forest
