@@ -46,5 +46,7 @@ Forest makeSyntheticForest();
 
 /// With node ranges.
 std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells);
+/// Of test::ProceduralTree, with node ranges.
+std::shared_ptr<Field> buildProceduralField(int deepest, double widths);
 
 } // namespace treeamr::bench
