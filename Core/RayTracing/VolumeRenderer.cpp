@@ -164,7 +164,8 @@ void fillTable(VolumeKernelScene& scene)
   }
   const double error =
     pointSampleError(scene, table.variation.back(), table.curvature.back(), static_cast<double>(size - 1));
-  scene.features.preIntegration = error * leafWidth(scene, 0) > pointSampleTolerance;
+  scene.features.preIntegration =
+    scene.settings.preIntegration && error * leafWidth(scene, 0) > pointSampleTolerance;
   if (scene.features.preIntegration)
   {
     table.integrals.resize(size + 1);

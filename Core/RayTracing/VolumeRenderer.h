@@ -40,6 +40,9 @@ struct VolumeSettings
   static constexpr double maxSamplesPerCell = 1e6;
   /// Leave out nodes whose range is transparent. Never changes a pixel; off only to test that.
   bool skipEmpty = true;
+  /// Integrate over the values between samples where points would miss too much of the transfer function; off only
+  /// to measure that.
+  bool preIntegration = true;
   /// Nodes whose children are smaller than this many pixels may be drawn from their means; 0 is off.
   double levelOfDetailPixels = 0.;
 

@@ -25,15 +25,15 @@ Seconds measure(const Work& work)
     static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC };
 }
 
-/// The least of both over `atLeast` runs, or up to ten within three seconds: other programs only ever add time.
+/// The least of both over `atLeast` runs, or up to `atMost` within three seconds: other programs only ever add time.
 /// prepare() is not measured.
 template <class Prepare, class Work>
-Seconds best(const Prepare& prepare, const Work& work, int atLeast = 3)
+Seconds best(const Prepare& prepare, const Work& work, int atLeast = 3, int atMost = 10)
 {
   prepare();
   Seconds least = measure(work);
   double spent = least.wall;
-  for (int runs = 1; runs < atLeast || (runs < 10 && spent < 3.); ++runs)
+  for (int runs = 1; runs < atLeast || (runs < atMost && spent < 3.); ++runs)
   {
     prepare();
     const Seconds s = measure(work);

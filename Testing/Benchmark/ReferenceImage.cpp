@@ -59,6 +59,15 @@ std::streamsize byteSize(const Image& image)
 
 } // namespace
 
+Image convergedImage(const Field& field, const TransferFunction& transferFunction, const Camera& camera)
+{
+  Image image(camera.width(), camera.height());
+  VolumeSettings settings;
+  settings.samplesPerCell = samplesPerCell;
+  renderVolumeReference(field, transferFunction, camera, {}, settings, image);
+  return image;
+}
+
 Image referenceImage(const std::string& path, const ContentDigest& forest, const Field& field,
   const TransferFunction& transferFunction, const Camera& camera)
 {
@@ -72,9 +81,7 @@ Image referenceImage(const std::string& path, const ContentDigest& forest, const
   {
     return image;
   }
-  VolumeSettings settings;
-  settings.samplesPerCell = samplesPerCell;
-  renderVolumeReference(field, transferFunction, camera, {}, settings, image);
+  image = convergedImage(field, transferFunction, camera);
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(&header), sizeof(header));
   out.write(reinterpret_cast<const char*>(image.rgba.data()), byteSize(image));

@@ -9,10 +9,12 @@
 namespace treeamr::bench
 {
 
-/// By the scalar reference at 64 samples per cell, from the file at `path` if that is of the same forest,
-/// camera and transfer function, else computed and written there. The file: the 16 bytes of the digest of
-/// these, int32 width and height, then the pixels as they are in Image. Throws Error when it cannot be
-/// written.
+/// By the scalar reference at 64 samples per cell.
+Image convergedImage(const Field& field, const TransferFunction& transferFunction, const Camera& camera);
+
+/// convergedImage(), from the file at `path` if that is of the same forest, camera and transfer function, else
+/// computed and written there. The file: the 16 bytes of the digest of these, int32 width and height, then the
+/// pixels as they are in Image. Throws Error when it cannot be written.
 Image referenceImage(const std::string& path, const ContentDigest& forest, const Field& field,
   const TransferFunction& transferFunction, const Camera& camera);
 

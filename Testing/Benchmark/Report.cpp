@@ -17,7 +17,7 @@ namespace
 {
 
 constexpr int nameWidth = 16;
-constexpr int labelWidth = 20;
+constexpr int labelWidth = 23;
 constexpr int minColumnWidth = 8;
 
 int columnWidth(const Figure& figure)

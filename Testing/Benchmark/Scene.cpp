@@ -3,6 +3,7 @@
 #include "Error.h"
 #include "P4estForestFile.h"
 #include "Support/Cameras.h"
+#include "Support/ProceduralTree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +54,13 @@ TransferFunction sheetTransferFunction()
     [](float u) { return 30.f * std::clamp(1.2f * (u - 0.15f), 0.f, 1.f); });
 }
 
+std::shared_ptr<Field> makeField(OctreeAndValues built)
+{
+  auto field = std::make_shared<Field>(std::move(built.octree), std::move(built.values));
+  field->computeNodeRanges();
+  return field;
+}
+
 } // namespace
 
 std::vector<Scene> makeScenes()
@@ -63,9 +71,8 @@ std::vector<Scene> makeScenes()
     { "sheet-23M", sheetTransferFunction(), 0.5, {} } };
 }
 
-Camera makeCamera()
+Camera makeCamera(int pixels)
 {
-  constexpr int pixels = 1000;
   const double elevation = 25. * std::numbers::pi / 180.;
   const double azimuth = 35. * std::numbers::pi / 180.;
   const Vec3 eye{ 0.5 + 1.6 * std::cos(elevation) * std::sin(azimuth), 0.5 + 1.6 * std::sin(elevation),
@@ -126,12 +133,15 @@ Forest makeSyntheticForest()
 
 std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells)
 {
-  auto built =
+  return makeField(
     buildOctree(RootGrid::uniform(roots, { 0., 0., 0. }, { 1. / roots[0], 1. / roots[1], 1. / roots[2] }),
-      std::move(cells));
-  auto field = std::make_shared<Field>(built.octree, std::move(built.values));
-  field->computeNodeRanges();
-  return field;
+      std::move(cells)));
+}
+
+std::shared_ptr<Field> buildProceduralField(int deepest, double widths)
+{
+  return makeField(buildOctree(
+    RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), test::ProceduralTree(deepest, widths)));
 }
 
 } // namespace treeamr::bench

@@ -26,9 +26,9 @@ struct Scene
 /// From few cells to many.
 std::vector<Scene> makeScenes();
 
-/// 1000 x 1000 pixels, 1.6 edge lengths from the centre of the unit cube, elevation 25, azimuth 35 and 40
-/// degrees of vertical view.
-Camera makeCamera();
+/// A square picture, 1.6 edge lengths from the centre of the unit cube, elevation 25, azimuth 35 and 40 degrees of
+/// view. pixels: along an edge.
+Camera makeCamera(int pixels = 1000);
 
 /// In the unit cube.
 struct Forest
@@ -46,5 +46,7 @@ Forest makeSyntheticForest();
 
 /// With node ranges.
 std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells);
+/// Of test::ProceduralTree, with node ranges.
+std::shared_ptr<Field> buildProceduralField(int deepest, double widths);
 
 } // namespace treeamr::bench

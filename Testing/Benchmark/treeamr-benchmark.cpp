@@ -22,7 +22,6 @@
 #include "ReferenceImage.h"
 #include "Report.h"
 #include "Scene.h"
-#include "Support/ProceduralTree.h"
 
 #include <oneapi/tbb/global_control.h>
 
@@ -191,12 +190,7 @@ void runHuge(const Options& options)
   const std::size_t before = residentBytes();
   takePeakResidentBytes();
   std::shared_ptr<Field> field;
-  const Seconds build = measure([&] {
-    auto built = buildOctree(
-      RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), test::ProceduralTree(12, 2.55));
-    field = std::make_shared<Field>(built.octree, std::move(built.values));
-    field->computeNodeRanges();
-  });
+  const Seconds build = measure([&] { field = buildProceduralField(12, 2.55); });
   const auto count = static_cast<double>(field->octree().leafCount());
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());

@@ -412,6 +412,29 @@ TEST(VolumeKernel, SpikesNarrowerThanAnyStepAreIntegrated)
   }
 }
 
+TEST(VolumeKernel, WithoutPreIntegrationASpikeIsMissedOrFillsAStep)
+{
+  auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
+  setValues(cells, [](const auto& p) { return p[2]; });
+  const auto field = makeField(unitRoots({ 2, 2, 2 }), cells);
+  const Camera camera(views().back().clip, identityMatrix, width, height);
+  VolumeSettings settings;
+  settings.preIntegration = false;
+  int missed = 0;
+  for (int at = 700; at < 3400; at += 123)
+  {
+    std::vector<TransferFunction::Entry> entries(4096, { 0.f, 0.f, 0.f, 0.f });
+    entries[at].extinction = 1000.f;
+    Image image(width, height);
+    renderVolume(*field, TransferFunction(0., 2., entries), camera, {}, settings, image);
+    const float alpha = image.rgba[4 * (width * (height / 2) + width / 2) + 3];
+    EXPECT_TRUE(alpha == 0.f || alpha > 0.999f) << at << ": " << alpha;
+    missed += alpha == 0.f;
+  }
+  // Of 4096 values a ray takes two samples in each of its 16 cells.
+  EXPECT_GE(missed, 20);
+}
+
 TEST(VolumeKernel, OpaqueEntriesLeaveTheOthersTheirDigits)
 {
   // Opaque values below and above those that are seen: sums over the table must not lose what lies between.
