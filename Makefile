@@ -6,7 +6,7 @@ PACKAGES = \
   paraview-dev python3-paraview libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
   libembree-dev libtbb-dev libhwy-dev \
   paraview openmpi-bin libqt5svg5 libgl1-mesa-dri xvfb xauth \
-  libgtest-dev libp4est-dev imagemagick
+  libgtest-dev libp4est-dev imagemagick valgrind python3-matplotlib
 
 PREFIX = /usr/local
 BUILD = build
@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build setup demo check check-sanitizers bench bench-vs install clean
+.PHONY: build setup demo check check-sanitizers bench bench-vs report report-brief install clean
 
 build: setup
 	cmake --preset release
@@ -68,6 +68,28 @@ $(BENCH)/%.p8est: | build
 PEER_FORESTS = sphere-0.3M mandelbulb-2.6M-8
 bench-vs: bench $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH)
+
+# Error against run time, stiff and extreme cases, ParaView's routes: all measured afresh, under an hour on two cores.
+REPORT = $(BUILD)/report
+CASES = StiffCasesTest ExtremeCasesTest ExtremeWindowsTest
+PYTHON = /usr/bin/python3 # which has Debian's packages
+# Failed cases are rows of the report, not its end.
+MEASURE_CASES = $(foreach test,$(CASES),$(XVFB) $(BUILD)/bin/$(test) --gtest_output=json:$(REPORT)/tests/$(test).json \
+  > $(REPORT)/tests/$(test).log || cat $(REPORT)/tests/$(test).log;) \
+  $(PYTHON) Testing/Report/instructions.py $(BUILD)/bin/treeamr-frame $(REPORT)/instructions.json
+report: build $(FORESTS:%=$(BENCH)/%.p8est) $(PEER_FORESTS:%=$(BENCH)/%.p8est)
+	rm -rf $(REPORT) && mkdir -p $(REPORT)/tests
+	$(BUILD)/bin/treeamr-report $(BENCH) --json $(REPORT)/measured.json
+	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH) --timeout 150 --json $(REPORT)/peers.json
+	$(MEASURE_CASES)
+	$(PYTHON) Testing/Report/report.py $(REPORT)
+
+# A few minutes of it, without a figure that depends on time: fails where one is missing or out of its bounds.
+report-brief: build
+	rm -rf $(REPORT) && mkdir -p $(REPORT)/tests
+	$(BUILD)/bin/treeamr-report $(REPORT) --brief --json $(REPORT)/measured.json > $(REPORT)/measured.log
+	$(MEASURE_CASES)
+	$(PYTHON) Testing/Report/report.py $(REPORT) --check
 
 install: build
 	cmake --install $(BUILD) --prefix $(PREFIX)

@@ -2,7 +2,7 @@
 memory, error.
 
 Each route reads the same forest, in a process of its own with a time limit. Prints tables, adds the figures
-to FOLDER/bench.json as "peers" and "isosurface_peers", saves FOLDER/peers/*.png.
+to FOLDER/bench.json, or another FILE, as "peers" and "isosurface_peers", saves FOLDER/peers/*.png.
 
 Volumes are the pictures of treeamr-benchmark: its data sets, camera and transfer functions (see Scene.cpp).
 PSNR is that of the window's 8-bit colours against the benchmark's converged picture of the generalized
@@ -16,7 +16,7 @@ with, which their 8-bit colours tell to 0.2 degrees, and those of the mesh (of i
 have none).
 
 usage: python3 peers.py FOLDER [--part volume|isosurface] [--datasets NAME...] [--routes ROUTE...]
-       [--timeout SECONDS]
+       [--timeout SECONDS] [--json FILE]
 """
 
 import argparse
@@ -403,7 +403,7 @@ def run_part(part, arguments):
             result = {"dataset": dataset, "route": route,
                       **run(arguments.folder, dataset, route, arguments.timeout)}
             print(table_row(part, result), flush=True)
-            add_result(arguments.folder / "bench.json", part.key, result)
+            add_result(arguments.json or arguments.folder / "bench.json", part.key, result)
 
 
 def main():
@@ -415,6 +415,7 @@ def main():
         f"{name}: {' '.join(part.default_datasets)}" for name, part in PARTS.items()))
     parser.add_argument("--routes", nargs="+", choices=routes, metavar="ROUTE", help=", ".join(routes))
     parser.add_argument("--timeout", type=float, default=600, metavar="SECONDS", help="of each route (600)")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="FOLDER/bench.json")
     parser.add_argument("--measure", nargs=2, metavar=("NAME", "ROUTE"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.measure:
