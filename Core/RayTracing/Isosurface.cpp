@@ -557,8 +557,11 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
             ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), count, own->queries[count], r.ray))
       {
         r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        own->all[count].clear();
-        own->queries[count].all = layers == SurfaceLayers::All ? &own->all[count] : nullptr;
+        if (layers == SurfaceLayers::All)
+        {
+          own->all[count].clear();
+          own->queries[count].all = &own->all[count];
+        }
         own->pixels[count++] = pixel;
       }
     });
@@ -570,18 +573,18 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
     rtcIntersect1M(impl_->scene, &batch.context, own->rays.data(), count, sizeof(RTCRayHit));
     for (unsigned k = 0; k < count; ++k)
     {
-      std::vector<SurfaceHit>& hits = own->all[k];
+      const std::size_t before = found.size();
       if (layers == SurfaceLayers::All)
       {
+        std::vector<SurfaceHit>& hits = own->all[k];
         impl_->finish(own->queries[k], hits);
+        found.insert(found.end(), hits.begin(), hits.end());
       }
-      else
+      else if (SurfaceHit hit; impl_->finish(own->queries[k], hit))
       {
-        hits.resize(1);
-        hits.resize(impl_->finish(own->queries[k], hits[0]) ? 1 : 0);
+        found.push_back(hit);
       }
-      image.first[own->pixels[k] + 1] = hits.size();
-      found.insert(found.end(), hits.begin(), hits.end());
+      image.first[own->pixels[k] + 1] = found.size() - before;
     }
   });
   for (std::size_t p = 0; p < pixels; ++p)
