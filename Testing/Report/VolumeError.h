@@ -8,8 +8,8 @@ namespace treeamr::report
 {
 
 /// A row for each setting ("setting") of what varies ("series"), the rest as shipped, against the converged picture.
-/// That also ends a ray with a 1024th of its light left, which puts it 73 dB from one that does not (0.3M): above,
-/// pictures are compared with the same cut, no longer with the integral.
+/// That also ends a ray with a 1024th of its light left, which puts it 73 dB (Mandelbulb 0.3M) or 78 dB (Sheet) from
+/// one that does not: above, pictures are compared with the same cut, no longer with the integral.
 ///
 /// samples, nodes: the same on every machine. intervals: of the machine's vectors. kept_bytes: up to a chunk more for
 /// each thread, and blocks that two have computed.
