@@ -145,12 +145,11 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
     std::array<float, 3> rgb = shade(material, appearance.lights, frame.worldPoint(pointAt(ray, hit.t)),
       frame.worldNormal(hit.gradient, toEye), toEye,
       visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
-    if (visibility.samples > 0)
+    if (!visibility.open.empty())
     {
-      const float closed = 1.f - static_cast<float>(visibility.open[i]) / visibility.samples;
       for (float& channel : rgb)
       {
-        channel *= 1.f - appearance.opacity * closed;
+        channel *= 1.f - appearance.opacity * (1.f - visibility.open[i]);
       }
     }
     std::copy(rgb.begin(), rgb.end(), &image.RGBA[4 * i]);

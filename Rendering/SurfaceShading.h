@@ -28,8 +28,7 @@ struct SurfaceAppearance
 /// What secondary rays found; each may be empty.
 struct SurfaceVisibility
 {
-  std::vector<std::uint16_t> open; // of each hit's `samples` rays, how many meet nothing
-  int samples = 0;
+  std::vector<float> open;       // the part of each hit's surroundings that is
   std::vector<std::uint8_t> lit; // lit[l + lights * hit]
 };
 

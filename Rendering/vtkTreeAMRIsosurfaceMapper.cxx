@@ -6,6 +6,7 @@
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
+#include "RayTracing/OcclusionFilter.h"
 #include "RayTracing/SecondaryRays.h"
 #include "RayTracing/SurfaceFrame.h"
 
@@ -35,6 +36,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
@@ -61,6 +63,8 @@ struct vtkTreeAMRIsosurfaceMapper::View
   std::shared_ptr<const treeamr::Field> ColorField;
   std::vector<float> ColorValues;
   treeamr::SurfaceVisibility Visibility;
+  std::vector<std::uint16_t> OpenRays; // of the AmbientOcclusionRays of each hit
+  int AmbientOcclusionRays = 0;
   double AmbientOcclusionRadius = 0.; // in the world
   std::vector<treeamr::Light> ShadowLights;
 
@@ -317,6 +321,8 @@ void vtkTreeAMRIsosurfaceMapper::View::UpdateHits(const std::shared_ptr<const tr
   this->PictureIsOfThisFrame = false;
   this->ColorField.reset();
   this->Visibility = {};
+  this->OpenRays.clear();
+  this->AmbientOcclusionRays = 0;
   this->ShadowLights.clear();
   this->ClipFromData = clipFromData;
   this->WorldFromData = worldFromData;
@@ -428,21 +434,23 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
 {
   treeamr::SurfaceVisibility& visibility = view.Visibility;
   const double radius = this->AmbientOcclusionRadius * view.DiagonalOf(this->Private->Field->octree().grid());
-  if (radius != view.AmbientOcclusionRadius || visibility.samples > this->AmbientOcclusionSamples)
+  if (radius != view.AmbientOcclusionRadius || view.AmbientOcclusionRays > this->AmbientOcclusionSamples)
   {
     visibility.open.clear();
-    visibility.samples = 0;
+    view.OpenRays.clear();
+    view.AmbientOcclusionRays = 0;
   }
   view.AmbientOcclusionRadius = radius;
   const int end = treeamr::isInteractive(view.Renderer)
-    ? std::min(visibility.samples + InteractiveSamples, this->AmbientOcclusionSamples)
+    ? std::min(view.AmbientOcclusionRays + InteractiveSamples, this->AmbientOcclusionSamples)
     : this->AmbientOcclusionSamples;
-  if (end > visibility.samples)
+  if (end > view.AmbientOcclusionRays)
   {
-    visibility.open.resize(view.Hits.hits.size());
+    view.OpenRays.resize(view.Hits.hits.size());
     treeamr::traceAmbientOcclusion(
-      *view.Surface, *view.Camera, view.Hits, radius, visibility.samples, end, visibility.open);
-    visibility.samples = end;
+      *view.Surface, *view.Camera, view.Hits, radius, view.AmbientOcclusionRays, end, view.OpenRays);
+    view.AmbientOcclusionRays = end;
+    visibility.open = treeamr::filterAmbientOcclusion(*view.Camera, view.Hits, view.OpenRays, end);
   }
 
   if (!this->Shadows)

@@ -92,7 +92,8 @@ public:
   /// A still frame traces all of them. Of an interactive one (the window's desired update rate is 1 or more) each
   /// pixel traces InteractiveSamples; as long as camera, actor and surfaces stay, frames add theirs to those
   /// before, so that after AmbientOcclusionSamples / InteractiveSamples frames of either kind, or one still frame,
-  /// the picture is the same.
+  /// the picture is the same. Pixels next to each other on one smooth piece of surface share their rays, so 16
+  /// of them show no grain there.
   vtkSetClampMacro(AmbientOcclusionSamples, int, 0, 65535);
   vtkGetMacro(AmbientOcclusionSamples, int);
   static constexpr int InteractiveSamples = 2;

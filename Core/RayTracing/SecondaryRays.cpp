@@ -19,7 +19,7 @@ namespace
 /// what pixels show.
 constexpr double startOffset = 1e-3;
 
-/// Calls body(index of the hit, its pixel, its layer) for all hits, tile by tile: rays near each other ask for
+/// Calls body(index of the hit, its pixel) for all hits, tile by tile: rays near each other ask for
 /// the same vertex values.
 template <class Body>
 void forEachHit(const Camera& camera, const HitImage& hits, const Body& body)
@@ -34,7 +34,7 @@ void forEachHit(const Camera& camera, const HitImage& hits, const Body& body)
           const std::size_t pixel = static_cast<std::size_t>(y) * camera.width() + x;
           for (std::size_t i = hits.first[pixel]; i < hits.first[pixel + 1]; ++i)
           {
-            body(i, x, y, i - hits.first[pixel]);
+            body(i, x, y);
           }
         }
       }
@@ -64,34 +64,31 @@ Start startOf(const Isosurface& surface, const SurfaceFrame& frame, const Ray& r
   return start;
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): bits without a pattern.
-std::uint64_t scramble(std::uint64_t bits) noexcept
-{
-  bits += 0x9e3779b97f4a7c15u;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
-}
-
 /// Points of the unit square that fill it evenly, however many: the additive recurrence of the plastic number
-/// (Roberts 2018), rotated by a random vector (Cranley, Patterson 1976). In 32-bit fixed point.
+/// (Roberts 2018), in 32-bit fixed point. Those of pixels next to each other are moved by the points of a lattice
+/// (Keller, Heidrich 2001): the 16 pixels of any square of 4 x 4 fill it together.
 class EvenPoints
 {
 public:
-  explicit EvenPoints(std::uint64_t seed) noexcept
-    : start_(scramble(seed))
+  EvenPoints(int x, int y) noexcept
   {
+    const std::uint32_t inPattern =
+      (static_cast<std::uint32_t>(x) + 4u * static_cast<std::uint32_t>(y)) % 16u;
+    startU_ = inPattern * sixteenth + sixteenth / 2;
+    startV_ = 5u * inPattern * sixteenth + sixteenth / 2; // modulo 1
   }
   void at(std::uint32_t i, double& u, double& v) const noexcept
   {
     constexpr std::uint32_t stepU = 3242174889u; // 2^32 / p, p^3 = p + 1
     constexpr std::uint32_t stepV = 2447445414u; // 2^32 / p^2
-    u = 0x1p-32 * (static_cast<std::uint32_t>(start_) + i * stepU);
-    v = 0x1p-32 * (static_cast<std::uint32_t>(start_ >> 32) + i * stepV);
+    u = 0x1p-32 * (startU_ + i * stepU);
+    v = 0x1p-32 * (startV_ + i * stepV);
   }
 
 private:
-  std::uint64_t start_;
+  static constexpr std::uint32_t sixteenth = 1u << 28;
+  std::uint32_t startU_;
+  std::uint32_t startV_;
 };
 
 /// Two unit vectors that are orthogonal to a third and to each other (Duff et al. 2017).
@@ -110,11 +107,10 @@ void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, cons
   double radius, int first, int end, std::vector<std::uint16_t>& open)
 {
   const SurfaceFrame frame(camera.worldFromData());
-  forEachHit(camera, hits, [&](std::size_t i, int x, int y, std::size_t layer) {
+  forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
     const std::array<Vec3, 2> across = tangents(start.normalWorld);
-    const EvenPoints points((static_cast<std::uint64_t>(layer) << 48) ^
-      (static_cast<std::uint64_t>(y) << 24) ^ static_cast<std::uint64_t>(x));
+    const EvenPoints points(x, y);
     for (int k = first; k < end; ++k)
     {
       double u;
@@ -139,7 +135,7 @@ void traceShadows(const Isosurface& surface, const Camera& camera, const HitImag
 {
   lit.assign(hits.hits.size() * lights.size(), 1);
   const SurfaceFrame frame(camera.worldFromData());
-  forEachHit(camera, hits, [&](std::size_t i, int x, int y, std::size_t) {
+  forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
     for (std::size_t l = 0; l < lights.size(); ++l)
     {

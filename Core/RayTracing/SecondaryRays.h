@@ -15,7 +15,8 @@ namespace treeamr
 
 /// Adds to open[i] how many of the rays `first` up to `end` of hit i meet nothing within `radius` (world length).
 /// Directions are distributed by their cosine with the normal, so the part of open rays is what arrives of an
-/// even light from all sides. They depend on pixel, layer and number alone: rays in portions are the same rays.
+/// even light from all sides. They depend on pixel and number alone: rays in portions are the same rays. Pixels
+/// near each other have directions that complete each other, for filterAmbientOcclusion().
 /// open: one entry for each hit.
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
   double radius, int first, int end, std::vector<std::uint16_t>& open);

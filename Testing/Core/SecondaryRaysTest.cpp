@@ -153,6 +153,28 @@ TEST_F(ParallelPlanes, RaysInPortionsAreTheSameRays)
   EXPECT_NE(std::adjacent_find(open.begin(), open.end(), std::not_equal_to()), open.end());
 }
 
+TEST_F(ParallelPlanes, RaysOfNeighboursCompleteEachOther)
+{
+  look({ 4., 4.2, 4.5 }, { 4., 3.9, low });
+  const double gap = high - low;
+  for (const double radius : { 1.1 * gap, 1.5 * gap, 2. * gap })
+  {
+    const std::vector<std::uint16_t> open = occlusion(radius, 0, 16);
+    for (int y = 0; y + 4 <= pixels; ++y)
+    {
+      for (int x = 0; x + 4 <= pixels; ++x)
+      {
+        int together = 0;
+        for (int i = 0; i < 16; ++i)
+        {
+          together += open[pixels * (y + i / 4) + x + i % 4];
+        }
+        ASSERT_NEAR(together, 256 * gap / radius * (gap / radius), miscounted) << "radius " << radius;
+      }
+    }
+  }
+}
+
 TEST_F(ParallelPlanes, CastShadowsOnEachOther)
 {
   look({ 4., 4.2, 4.5 }, { 4., 3.9, low });
