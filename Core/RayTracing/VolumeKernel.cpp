@@ -287,6 +287,7 @@ private:
   void makeRay(int r, int x, int y, double begin, double end)
   {
     const Ray ray = scene_.camera.ray(x, y);
+    const Bounds domain = grid_.bounds();
     begin_[r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
     end_[r] = tToKernel(scene_.camera.tFromDepth(ray, end));
     lengthPerT_[r] = 1.f;
@@ -295,8 +296,10 @@ private:
       constexpr float tiny = 1e-20f;
       const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
       direction_[a][r] = slope;
-      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
       origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
+      // As SlabRay::enterUpperFaces().
+      const bool up = slope > 0.f || (slope == 0.f && origin_[a][r] < toKernel(a, domain.max[a]));
+      inverse_[a][r] = 1.f / (up ? std::max(slope, tiny) : std::min(slope, -tiny));
     }
   }
 

@@ -105,6 +105,7 @@ public:
         const double end = interval.end ? interval.end[pixel] : 1.;
         const Ray ray = camera_.ray(x, y);
         TileRay tileRay{ SlabRay(ray), 0., 0., 1., {}, 0, 0, 0. };
+        tileRay.slab.enterUpperFaces(field_.octree().grid().bounds());
         if (begin < end)
         {
           tileRay.begin = camera_.tFromDepth(ray, begin);

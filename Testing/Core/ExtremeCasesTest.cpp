@@ -2,19 +2,13 @@
 // reconstruction in extended precision along each ray. Each case records what it measured.
 #include "Error.h"
 #include "Interpolation/Sampler.h"
-#include "RayTracing/Isosurface.h"
-#include "RayTracing/VolumeRenderer.h"
-#include "Support/Cameras.h"
-#include "Support/ExactRay.h"
-#include "Support/Fields.h"
+#include "Support/ExactScene.h"
 #include "Support/Measured.h"
-#include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 
 using namespace treeamr;
@@ -22,115 +16,6 @@ using namespace treeamr::test;
 
 namespace
 {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Of a colour's channel: no 8-bit picture shows it.
-constexpr double halfAStep = 0.5 / 255.;
-
-/// A tree, its domain and the exact answer for world rays.
-class Scene
-{
-public:
-  Scene(const RootGrid& grid, const std::vector<LeafCell>& cells)
-    : grid_(grid)
-    , field_(makeField(grid, cells))
-    , exact_(grid.roots(), cells)
-  {
-  }
-  Scene(const std::array<int, 3>& roots, const std::vector<LeafCell>& cells)
-    : Scene(unitRoots(roots), cells)
-  {
-  }
-
-  const std::shared_ptr<const Field>& field() const { return field_; }
-
-  /// The largest error of a channel over every `stride`th pixel.
-  double volumeError(const TransferFunction& transferFunction, const Camera& camera, int stride = 1)
-  {
-    VolumeSettings settings;
-    settings.samplesPerCell = 64.;
-    Image image(camera.width(), camera.height());
-    renderVolume(*field_, transferFunction, camera, {}, settings, image);
-    double largest = 0.;
-    for (int i = 0; i < camera.width() * camera.height(); i += stride)
-    {
-      const Ray ray = camera.ray(i % camera.width(), i / camera.width());
-      const auto expected =
-        exact_.light(toRoots(ray), camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), transferFunction);
-      brightest_ = std::max(brightest_, expected[3]);
-      for (int c = 0; c < 4; ++c)
-      {
-        const double error = std::abs(image.rgba[4 * static_cast<std::size_t>(i) + c] - expected[c]);
-        largest = error <= largest ? largest : error; // NaN counts
-      }
-    }
-    return largest;
-  }
-  /// The most opaque pixel so far.
-  double brightest() const { return brightest_; }
-
-  /// The largest error of a hit's t in `unit`, infinite where hits are missing or too many.
-  double surfaceError(double isovalue, const Camera& camera, double unit, int stride = 1)
-  {
-    const Isosurface surface(field_, { isovalue });
-    HitImage image;
-    surface.render(camera, SurfaceLayers::All, image);
-    double largest = 0.;
-    for (int i = 0; i < camera.width() * camera.height(); i += stride)
-    {
-      const Ray ray = camera.ray(i % camera.width(), i / camera.width());
-      const auto expected =
-        exact_.crossings(toRoots(ray), camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), isovalue);
-      hits_ += expected.size();
-      if (image.first[i + 1] - image.first[i] != expected.size())
-      {
-        return infinity;
-      }
-      for (std::size_t k = 0; k < expected.size(); ++k)
-      {
-        const double error = std::abs(image.hits[image.first[i] + k].t - expected[k]) / unit;
-        largest = error <= largest ? largest : error;
-      }
-    }
-    return largest;
-  }
-  /// Of surfaces so far.
-  std::size_t hits() const { return hits_; }
-
-private:
-  Ray toRoots(const Ray& world) const
-  {
-    const Bounds domain = grid_.bounds();
-    Ray ray;
-    for (int a = 0; a < 3; ++a)
-    {
-      const double width = (domain.max[a] - domain.min[a]) / grid_.roots()[a];
-      ray.origin[a] = (world.origin[a] - domain.min[a]) / width;
-      ray.direction[a] = world.direction[a] / width;
-    }
-    return ray;
-  }
-
-  RootGrid grid_;
-  std::shared_ptr<const Field> field_;
-  ExactRay exact_;
-  double brightest_ = 0.;
-  std::size_t hits_ = 0;
-};
-
-/// Of values in [-scale, scale], with extinctions per world length up to about `extinction`.
-TransferFunction smooth(double extinction, double scale = 1.)
-{
-  constexpr int last = 1 << 16;
-  std::vector<TransferFunction::Entry> entries;
-  for (int i = 0; i <= last; ++i)
-  {
-    const float u = static_cast<float>(i) / last;
-    const float rise = std::max(0.f, 2.f * u - 0.8f);
-    entries.push_back({ u, 1.f - u, 0.5f, static_cast<float>(extinction) * rise * rise });
-  }
-  return TransferFunction(-scale, scale, entries);
-}
 
 /// Two roots along each axis. The first is refined to a depth towards the point where all eight meet, the others are
 /// single cells: across their faces, edges and corners levels differ by the depth.
@@ -153,17 +38,6 @@ std::vector<LeafCell> cornerTree(int depth, std::uint32_t seed = 1)
     }
   }
   return cells;
-}
-
-std::vector<LeafCell> randomCells(std::uint32_t seed = 12)
-{
-  return makeRandomTree({ seed, { 2, 2, 2 }, 4, 0.6, 0., false });
-}
-
-Camera outside(int width = 13, int height = 11)
-{
-  return Camera(multiply(perspective(40., 0.1, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix,
-    width, height);
 }
 
 /// Looks at the deepest cell of a corner tree, which fills the picture: by an eye near it, by parallel rays, by a
@@ -196,7 +70,6 @@ TEST(ExtremeCases, VolumeOfValuesFrom1em40To1e38)
   {
     c.value = std::round(128.f * c.value) / 128.f;
   }
-  Scene unscaled({ 2, 2, 2 }, cells);
   double largest = 0.;
   for (const int exponent : { -133, -126, -110, -100, -60, 0, 60, 100, 126 })
   {
@@ -205,7 +78,7 @@ TEST(ExtremeCases, VolumeOfValuesFrom1em40To1e38)
     {
       c.value = std::ldexp(c.value, exponent);
     }
-    Scene scene({ 2, 2, 2 }, scaled);
+    ExactScene scene({ 2, 2, 2 }, scaled);
     largest = std::max(largest, scene.volumeError(smooth(10., std::ldexp(1., exponent)), outside()));
     EXPECT_GT(scene.brightest(), 0.8);
   }
@@ -227,7 +100,7 @@ TEST(ExtremeCases, SurfaceOfValuesFrom1em40To1e38)
     {
       c.value = std::ldexp(c.value, exponent);
     }
-    Scene scene({ 2, 2, 2 }, scaled);
+    ExactScene scene({ 2, 2, 2 }, scaled);
     largest =
       std::max(largest, scene.surfaceError(std::ldexp(0.2501, exponent), outside(), std::ldexp(1., -4)));
     EXPECT_GT(scene.hits(), 100u);
@@ -242,7 +115,7 @@ TEST(ExtremeCases, VolumeWhereHugeNumbersChangeSign)
   {
     c.value = c.value < 0.f ? -3e38f : 3e38f;
   }
-  Scene scene({ 2, 2, 2 }, cells);
+  ExactScene scene({ 2, 2, 2 }, cells);
   const double error = scene.volumeError(smooth(10., 3e38), outside());
   EXPECT_GT(scene.brightest(), 0.8);
   expectAtMost(error, halfAStep, "of a channel");
@@ -255,7 +128,7 @@ TEST(ExtremeCases, SurfaceWhereHugeNumbersChangeSign)
   {
     c.value = c.value < 0.f ? -3e38f : 3e38f;
   }
-  Scene scene({ 2, 2, 2 }, cells);
+  ExactScene scene({ 2, 2, 2 }, cells);
   const double error = scene.surfaceError(1e37, outside(), std::ldexp(1., -4));
   EXPECT_GT(scene.hits(), 100u);
   expectAtMost(error, 1e-6, "of a cell's width");
@@ -273,7 +146,7 @@ TEST(ExtremeCases, VolumeOfAConstant)
     {
       c.value = value;
     }
-    Scene scene({ 2, 2, 2 }, cells);
+    ExactScene scene({ 2, 2, 2 }, cells);
     for (const double scale : { 1e-30, 1., 1e38 })
     {
       largest = std::max(largest, scene.volumeError(TransferFunction(-scale, scale, ends), outside()));
@@ -303,7 +176,7 @@ TEST(ExtremeCases, CellsThatAreNotFiniteAreRefusedAndLeftOutWithoutATrace)
     EXPECT_NE(std::string(error.what()).find("is not finite"), std::string::npos) << error.what();
   }
   std::erase_if(cells, [](const LeafCell& c) { return !std::isfinite(c.value); });
-  Scene scene({ 2, 2, 2 }, cells);
+  ExactScene scene({ 2, 2, 2 }, cells);
   const double error = scene.volumeError(smooth(10.), outside());
   EXPECT_GT(scene.brightest(), 0.8);
   const double surfaceError = scene.surfaceError(0.1, outside(), std::ldexp(1., -4));
@@ -342,7 +215,7 @@ TEST(ExtremeCases, VolumeZoomedToTheDeepestCellFrom1To19)
   double largest = 0.;
   for (int depth = 1; depth <= 19; ++depth)
   {
-    Scene scene({ 2, 2, 2 }, cornerTree(depth));
+    ExactScene scene({ 2, 2, 2 }, cornerTree(depth));
     const TransferFunction transferFunction = smooth(std::ldexp(2., depth));
     for (const Camera& camera : zooms(depth))
     {
@@ -358,7 +231,7 @@ TEST(ExtremeCases, SurfaceZoomedToTheDeepestCellFrom1To19)
   double largest = 0.;
   for (int depth = 1; depth <= 19; ++depth)
   {
-    Scene scene({ 2, 2, 2 }, cornerTree(depth, 3));
+    ExactScene scene({ 2, 2, 2 }, cornerTree(depth, 3));
     for (const Camera& camera : zooms(depth))
     {
       largest = std::max(largest, scene.surfaceError(0.1, camera, std::ldexp(1., -depth)));
@@ -371,7 +244,7 @@ TEST(ExtremeCases, SurfaceZoomedToTheDeepestCellFrom1To19)
 TEST(ExtremeCases, VolumeOfCells4096To1InOneView)
 {
   double largest = 0.;
-  Scene scene({ 2, 2, 2 }, cornerTree(12));
+  ExactScene scene({ 2, 2, 2 }, cornerTree(12));
   for (const double distance : { 4., 1., 0.1, 0.01 })
   {
     const Camera camera(multiply(perspective(40., 1e-3 * distance, 20.),
@@ -387,7 +260,7 @@ TEST(ExtremeCases, VolumeOfCells4096To1InOneView)
 TEST(ExtremeCases, SurfaceOfCells4096To1InOneView)
 {
   double largest = 0.;
-  Scene scene({ 2, 2, 2 }, cornerTree(12, 3));
+  ExactScene scene({ 2, 2, 2 }, cornerTree(12, 3));
   for (const double distance : { 4., 1., 0.1, 0.01 })
   {
     const Camera camera(multiply(perspective(40., 1e-3 * distance, 20.),
@@ -437,7 +310,7 @@ TEST(ExtremeCases, VolumeInDomains1em12To1e12WideAndFarFromTheOrigin)
   double largest = 0.;
   for (const Domain& domain : domains)
   {
-    Scene scene(gridOf(domain), randomCells());
+    ExactScene scene(gridOf(domain), randomCells());
     largest = std::max(largest, scene.volumeError(smooth(20. / domain.width), cameraOf(domain)));
     EXPECT_GT(scene.brightest(), 0.8);
   }
@@ -449,7 +322,7 @@ TEST(ExtremeCases, SurfaceInDomains1em12To1e12WideAndFarFromTheOrigin)
   double largest = 0.;
   for (const Domain& domain : domains)
   {
-    Scene scene(gridOf(domain), randomCells());
+    ExactScene scene(gridOf(domain), randomCells());
     largest = std::max(largest, scene.surfaceError(0.1, cameraOf(domain), std::ldexp(domain.width, -5)));
     EXPECT_GT(scene.hits(), 100u);
   }
@@ -484,7 +357,7 @@ TEST(ExtremeCases, VolumeOfASheet)
     {
       cells.push_back({ { { i % roots, i / roots, 0 }, 0 }, static_cast<float>(std::sin(0.7 + i)) });
     }
-    Scene scene(RootGrid::uniform({ roots, roots, 1 }, { 0., 0., 0. }, { width, width, 1e-9 }), cells);
+    ExactScene scene(RootGrid::uniform({ roots, roots, 1 }, { 0., 0., 0. }, { width, width, 1e-9 }), cells);
     largest = std::max(largest, scene.volumeError(smooth(1e9), outside()));
     EXPECT_GT(scene.brightest(), 0.2);
   }
@@ -499,7 +372,7 @@ TEST(ExtremeCases, SurfaceInASheet)
   {
     cells.push_back({ { { i % 4, i / 4, 0 }, 0 }, static_cast<float>(std::sin(0.7 + i)) });
   }
-  Scene scene(RootGrid::uniform({ 4, 4, 1 }, { 0., 0., 0. }, { 0.5, 0.5, 1e-9 }), cells);
+  ExactScene scene(RootGrid::uniform({ 4, 4, 1 }, { 0., 0., 0. }, { 0.5, 0.5, 1e-9 }), cells);
   // Along the sheet, where the surface is seen.
   const Camera camera(
     multiply(parallel(4e-10, 0.1, 20.), lookAt({ -3., -2., 5e-10 }, { 1., 1., 5e-10 }, { 0., 0., 1. })),
@@ -512,7 +385,7 @@ TEST(ExtremeCases, SurfaceInASheet)
 namespace
 {
 
-Scene needle()
+ExactScene needle()
 {
   std::vector<LeafCell> cells;
   std::mt19937 random(5);
@@ -521,7 +394,7 @@ Scene needle()
   {
     cells.push_back({ { { 0, 0, i }, 0 }, value(random) });
   }
-  return Scene({ 1, 1, 10000 }, cells);
+  return ExactScene({ 1, 1, 10000 }, cells);
 }
 
 /// Of the whole, obliquely; of its middle; along it.
@@ -539,7 +412,7 @@ std::vector<Camera> needleCameras()
 
 TEST(ExtremeCases, VolumeOfTenThousandRootsInARow)
 {
-  Scene scene = needle();
+  ExactScene scene = needle();
   double largest = 0.;
   for (const Camera& camera : needleCameras())
   {
@@ -551,7 +424,7 @@ TEST(ExtremeCases, VolumeOfTenThousandRootsInARow)
 
 TEST(ExtremeCases, SurfaceInTenThousandRootsInARow)
 {
-  Scene scene = needle();
+  ExactScene scene = needle();
   double largest = 0.;
   for (const Camera& camera : needleCameras())
   {
