@@ -6,6 +6,9 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <limits>
+
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
 {
@@ -137,7 +140,8 @@ void Quantise(const float* values, Range hull, float last, std::uint16_t* steps)
   const hn::RebindToSigned<FloatTag> di;
   const hn::Rebind<std::uint16_t, FloatTag> to;
   const float width = hull.max - hull.min;
-  const Floats scale = hn::Set(d, width > 0.f ? last / width : 0.f);
+  const Floats scale =
+    hn::Set(d, width > 0.f ? std::min(last / width, std::numeric_limits<float>::max()) : 0.f);
   const Floats min = hn::Set(d, hull.min);
   forEachVector<floats>([&](int i) {
     const Floats step = hn::Add(hn::Mul(hn::Sub(hn::LoadU(d, values + i), min), scale), hn::Set(d, 0.5f));

@@ -325,14 +325,7 @@ struct Isosurface::Impl
       return false;
     }
     query = { SlabRay(space.ray(world)), tMin, tMax };
-    for (int a = 0; a < 3; ++a)
-    {
-      // A ray that runs in a face belongs to the side above it, in the domain's upper face to that below.
-      if (query.ray.origin[a] == domain.max[a] && !query.ray.crosses(a))
-      {
-        query.ray.origin[a] = std::nextafter(domain.max[a], domain.min[a]);
-      }
-    }
+    query.ray.enterUpperFaces(domain);
     if (!query.ray.clip(domain.min, domain.max, query.tEnter, query.tLeave))
     {
       return false;
@@ -352,6 +345,12 @@ struct Isosurface::Impl
         (query.ray.origin[a] + query.tEnter * query.ray.direction[a] - domain.min[a]) * perExtent[a]);
       direction[a] =
         static_cast<float>(query.ray.direction[a] * (query.tLeave - query.tEnter) * perExtent[a]);
+      // Not for NaN, nor from so far away that no digits are left: Embree may abort.
+      constexpr float aroundCube = 4.f;
+      if (!(std::abs(origin[a]) + std::abs(direction[a]) <= aroundCube))
+      {
+        return false;
+      }
     }
     ray.tnear = 0.f;
     ray.tfar = 1.f + embreeRounding;

@@ -1,6 +1,7 @@
 // The part of a ray inside an axis-aligned box.
 #pragma once
 
+#include "Octree/RootGrid.h"
 #include "RayTracing/Camera.h"
 
 #include <array>
@@ -27,6 +28,18 @@ struct SlabRay
   /// False for rays that run parallel to the axis' planes, as far as numbers can tell.
   bool crosses(int axis) const noexcept { return std::isfinite(inverse[axis]); }
   double planeAt(int axis, double plane) const noexcept { return (plane - origin[axis]) * inverse[axis]; }
+
+  /// A ray that runs in a face belongs to the side above it; in the domain's upper face it is moved to that below.
+  void enterUpperFaces(const Bounds& domain) noexcept
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      if (origin[a] == domain.max[a] && !crosses(a))
+      {
+        origin[a] = std::nextafter(domain.max[a], domain.min[a]);
+      }
+    }
+  }
 
   /// Narrows [t0, t1] to the box; false when nothing is left. A ray parallel to a face belongs to the box
   /// whose half-open side [min, max) it runs in, so of two neighbours exactly one has it.

@@ -275,8 +275,8 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   }
   const auto [low, high] = std::minmax_element(record.values.begin(), record.values.end());
   record.hull = *high - *low;
-  record.tolerance = 0x1p-49 *
-    std::max({ std::abs(*low), std::abs(*high), std::abs(isovalues_.front()), std::abs(isovalues_.back()) });
+  // Isovalues that pass through are no larger.
+  record.tolerance = 0x1p-49 * std::max(std::abs(*low), std::abs(*high));
   record.active = activeOctants(record, drawn);
 }
 

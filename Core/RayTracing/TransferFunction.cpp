@@ -49,7 +49,11 @@ float TransferFunction::extinctionFromOpacity(double opacity, double unitDistanc
 
 TransferFunction::Entry TransferFunction::at(float value) const noexcept
 {
-  const double p = position(value);
+  return atPosition(position(value));
+}
+
+TransferFunction::Entry TransferFunction::atPosition(double p) const noexcept
+{
   const auto i = std::min(static_cast<std::size_t>(p), entries_.size() - 2);
   const auto f = static_cast<float>(p - static_cast<double>(i));
   const Entry& a = entries_[i];

@@ -20,8 +20,8 @@ public:
     float extinction; // per unit of world length
   };
   /// entries: >= 2 samples equally spaced over [min, max], the ends included; linear in between, constant
-  /// beyond. Throws Error for fewer entries, a non-finite or empty interval (min == max is allowed), negative
-  /// or NaN extinction.
+  /// beyond. Where min == max, which is allowed, all values have the first entry. Throws Error for fewer entries, a
+  /// non-finite or empty interval, negative or NaN extinction.
   TransferFunction(double min, double max, std::vector<Entry> entries);
 
   /// Opaque over any step, yet finite, so that interpolation beside it makes no NaN.
@@ -41,6 +41,7 @@ public:
     return p > 0. ? std::min(p, last_) : 0.;
   }
   Entry at(float value) const noexcept;
+  Entry atPosition(double position) const noexcept;
   /// Whether some value of the range has extinction: exact, so that skipping by it never changes a pixel.
   bool isVisible(Range range) const noexcept
   {

@@ -34,7 +34,7 @@ static_assert(volumeTileWidth * volumeTileWidth == tileRays);
 using GroupMask = std::uint32_t;
 
 /// As in the reference: a ray with less light left is done.
-constexpr float opaqueTransmittance = 1.f / 1024.f;
+constexpr float opaque = 1.f - 1.f / 1024.f;
 constexpr float finished = -std::numeric_limits<float>::max();
 
 /// CommonOrigin: all rays start at the scene's reference.
@@ -49,7 +49,6 @@ public:
     , evaluator_(scene.field)
     , writer_(scene.kept)
     , table_(&scene.table.entries.data()->r)
-    , tableLast_(static_cast<float>(scene.table.entries.size() - 1))
     , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
   {
   }
@@ -95,19 +94,19 @@ public:
       active = 0;
       for (int r = 0; r < tileRays; ++r)
       {
-        const bool hits = next[r] != last[r] && !(transmittance_[r] < opaqueTransmittance);
+        const bool hits = next[r] != last[r] && !(opacity_[r] > opaque);
         if (hits)
         {
           const std::array<float, 4>& rgba = surfaces.rgba[next[r]];
-          const float weight = transmittance_[r] * rgba[3];
+          const float weight = (1.f - opacity_[r]) * rgba[3];
           red_[r] += weight * rgba[0];
           green_[r] += weight * rgba[1];
           blue_[r] += weight * rgba[2];
-          transmittance_[r] -= weight;
+          opacity_[r] += weight;
           begin_[r] = end_[r];
           ++next[r];
         }
-        if (!hits || transmittance_[r] < opaqueTransmittance)
+        if (!hits || opacity_[r] > opaque)
         {
           end_[r] = finished;
           continue;
@@ -186,8 +185,7 @@ private:
     GroupMask active = 0;
     for (int r = 0; r < tileRays; ++r)
     {
-      transmittance_[r] = 1.f;
-      red_[r] = green_[r] = blue_[r] = 0.f;
+      red_[r] = green_[r] = blue_[r] = opacity_[r] = 0.f;
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
       if (x >= scene_.image.width || y >= scene_.image.height)
@@ -289,6 +287,7 @@ private:
   void makeRay(int r, int x, int y, double begin, double end)
   {
     const Ray ray = scene_.camera.ray(x, y);
+    const Bounds domain = grid_.bounds();
     begin_[r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
     end_[r] = tToKernel(scene_.camera.tFromDepth(ray, end));
     lengthPerT_[r] = 1.f;
@@ -297,8 +296,10 @@ private:
       constexpr float tiny = 1e-20f;
       const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
       direction_[a][r] = slope;
-      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
       origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
+      // As SlabRay::enterUpperFaces().
+      const bool up = slope > 0.f || (slope == 0.f && origin_[a][r] < toKernel(a, domain.max[a]));
+      inverse_[a][r] = 1.f / (up ? std::max(slope, tiny) : std::min(slope, -tiny));
     }
   }
 
@@ -327,7 +328,7 @@ private:
         rgba[0] = red_[r];
         rgba[1] = green_[r];
         rgba[2] = blue_[r];
-        rgba[3] = 1.f - transmittance_[r];
+        rgba[3] = std::min(opacity_[r], 1.f);
       }
     }
   }
@@ -531,7 +532,7 @@ private:
   };
 
   /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
-  bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * tableLast_); }
+  bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * scene_.table.last); }
 
   /// False when nothing of it is visible.
   bool find(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
@@ -558,13 +559,14 @@ private:
       return false;
     }
     const TransferFunction& tf = scene_.transferFunction;
-    const double first = tf.position(range.min);
-    const double last = tf.position(range.max);
-    const double offset = (range.min - tf.min()) * tf.scale();
-    const double width = static_cast<double>(range.max) - range.min;
-    block.toTable = { static_cast<float>(width * tf.scale() / BlockRecord::steps), static_cast<float>(offset),
-      static_cast<float>(first), static_cast<float>(last) };
     const KernelTable& table = scene_.table;
+    const double scale = tf.scale() * table.perEntry;
+    const double first = tf.position(range.min) * table.perEntry;
+    const double last = tf.position(range.max) * table.perEntry;
+    const double offset = (range.min - tf.min()) * scale;
+    const double width = static_cast<double>(range.max) - range.min;
+    block.toTable = { static_cast<float>(width * scale / BlockRecord::steps), static_cast<float>(offset),
+      static_cast<float>(first), static_cast<float>(last) };
     const auto firstEntry = static_cast<std::size_t>(first);
     const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
     const double variation = table.variation[lastEntry] - table.variation[firstEntry];
@@ -595,7 +597,7 @@ private:
         exact_[i] = values_.values[i] - range.min;
       }
       block.exact = exact_;
-      block.toTable.scale = static_cast<float>(tf.scale());
+      block.toTable.scale = static_cast<float>(scale);
     }
     return true;
   }
@@ -625,7 +627,7 @@ private:
       return;
     }
     const float value = scene_.field.leafValues()[0];
-    const auto position = static_cast<float>(scene_.transferFunction.position(value));
+    const auto position = static_cast<float>(scene_.transferFunction.position(value) * scene_.table.perEntry);
     record_ = {};
     integrate({ record_.values.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
       Lattice(box), active);
@@ -696,7 +698,8 @@ private:
       span.slope[a] = hn::Mul(direction, scale);
       squared = mulAdd(span.slope[a], span.slope[a], squared);
     }
-    const Floats transmittance = hn::Load(d, transmittance_ + ray);
+    const Floats opacity = hn::Load(d, opacity_ + ray);
+    const Floats transmittance = hn::Sub(hn::Set(d, 1.f), opacity);
     const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
     // Squares: of the way in widths of a leaf, and of what the variation of optical depth on it asks for.
     const Floats widths = hn::Mul(hn::Mul(squared, hn::Set(d, 0.25f)), hn::Mul(length, length));
@@ -710,11 +713,11 @@ private:
     hn::Store(hn::Add(hn::Load(IntTag(), samples_), hn::NearestInt(span.samples)), IntTag(), samples_);
     statistics_.steps += static_cast<std::uint64_t>(mostSamples);
 
-    Light light{ transmittance, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
+    Light light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
       hn::Load(d, blue_ + ray) };
     if constexpr (PreIntegrated)
     {
-      takeIntegrals(scene_.table.integrals.data(), span, mostSamples, values, block.toTable, lattice, light);
+      takeIntegrals(scene_.table, span, mostSamples, values, block.toTable, lattice, light);
       statistics_.litSteps += static_cast<std::uint64_t>(mostSamples);
     }
     else
@@ -729,12 +732,12 @@ private:
         statistics_.litSteps += takePoints<1>(table_, span, i, values, block.toTable, lattice, light);
       }
     }
-    hn::Store(light.transmittance, d, transmittance_ + ray);
+    hn::Store(light.opacity, d, opacity_ + ray);
     hn::Store(light.red, d, red_ + ray);
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
-    const Mask opaque = hn::Lt(light.transmittance, hn::Set(d, opaqueTransmittance));
-    hn::Store(hn::IfThenElse(opaque, hn::Set(d, finished), hn::Load(d, end_ + ray)), d, end_ + ray);
+    const Mask done = hn::Gt(light.opacity, hn::Set(d, opaque));
+    hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, end_ + ray)), d, end_ + ray);
   }
 
   const VolumeKernelScene& scene_;
@@ -744,7 +747,6 @@ private:
   BlockEvaluator evaluator_;
   VertexCache::Writer writer_;
   const float* table_;
-  float tableLast_;
   float samplesPerCell_;
   BlockValues values_; // computed last
   BlockRecord record_;
@@ -758,10 +760,10 @@ private:
   HWY_ALIGN float begin_[tileRays] = {};
   HWY_ALIGN float end_[tileRays] = {};
   HWY_ALIGN float lengthPerT_[tileRays] = {}; // world length per t
-  HWY_ALIGN float transmittance_[tileRays];
   HWY_ALIGN float red_[tileRays];
   HWY_ALIGN float green_[tileRays];
   HWY_ALIGN float blue_[tileRays];
+  HWY_ALIGN float opacity_[tileRays];
   VolumeStatistics statistics_;
   HWY_ALIGN std::int32_t samples_[lanes] = {}; // by lane: summing a vector up at each interval takes longer
 };

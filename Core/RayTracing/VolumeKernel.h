@@ -16,9 +16,12 @@ struct SceneFeatures
   bool preIntegration = false; // some cell may vary more than point samples can follow
 };
 
-/// The transfer function for the kernel, by entry, with extinctions per kernel unit.
+/// The transfer function for the kernel, by entry, with extinctions per kernel unit. Of few entries it makes more,
+/// so that the nearest one stands for what lies between them.
 struct KernelTable
 {
+  double perEntry; // entries for one of the transfer function
+  float last;      // number of the last entry
   /// For point samples: the nearest entry, its extinction in binary orders of magnitude.
   std::vector<TransferFunction::Entry> entries;
   /// Sums over the entries before each one of what changes from entry to entry: of the extinction or its product
@@ -26,13 +29,13 @@ struct KernelTable
   std::vector<double> variation;
   /// The same for the changes of these changes.
   std::vector<double> curvature;
-  /// For pre-integration: sums of extinction and extinction times colour over the entries before each one,
-  /// extinction last as in Entry, in two floats each: the sums, and what rounding left of them. One row more than
-  /// entries.
+  /// For pre-integration: extinction times colour and extinction, in the order of Entry, and sums of these over the
+  /// entries before each one, in two floats each: the sums, and what rounding left of them.
   struct Integral
   {
     float sum[4];
     float rest[4];
+    float own[4];
   };
   std::vector<Integral> integrals;
 };

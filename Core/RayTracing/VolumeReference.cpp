@@ -31,8 +31,8 @@ struct TileRay
   SlabRay slab;
   double begin;
   double end;
-  double transmittance; // double: many samples must not drift
-  std::array<double, 3> color;
+  double transmittance;
+  std::array<double, 4> color; // and opacity: one minus the transmittance has no digits for faint things
   std::size_t nextHit;
   std::size_t endOfHits;
   double last; // t where the ray ends, `end` being where it meets the next hit
@@ -48,26 +48,27 @@ public:
   {
   }
   /// p: half widths from the leaf's lower corner, 0 to 2.
-  float operator()(const std::array<float, 3>& p) const noexcept
+  float operator()(const std::array<double, 3>& p) const noexcept
   {
     constexpr std::array<int, 3> stride{ 1, 3, 9 };
     int base = 0;
-    std::array<float, 3> f;
+    std::array<double, 3> f;
     for (int a = 0; a < 3; ++a)
     {
-      const bool upper = p[a] >= 1.f;
+      const bool upper = p[a] >= 1.;
       base += upper ? stride[a] : 0;
-      f[a] = std::clamp(p[a] - static_cast<float>(upper), 0.f, 1.f);
+      f[a] = std::clamp(p[a] - upper, 0., 1.);
     }
     const float* v = values_.data() + base;
-    const auto alongX = [&](int i) { return v[i] + f[0] * (v[i + 1] - v[i]); };
+    // In double precision: the difference of two floats may be none.
+    const auto alongX = [&](int i) { return v[i] + f[0] * (static_cast<double>(v[i + 1]) - v[i]); };
     const auto alongY = [&](int i) {
-      const float a = alongX(i);
+      const double a = alongX(i);
       return a + f[1] * (alongX(i + 3) - a);
     };
-    const float a = alongY(0);
+    const double a = alongY(0);
     // Rounding must not leave the range by which nodes are skipped.
-    return std::clamp(a + f[2] * (alongY(9) - a), range_.min, range_.max);
+    return std::clamp(static_cast<float>(a + f[2] * (alongY(9) - a)), range_.min, range_.max);
   }
 
 private:
@@ -104,6 +105,7 @@ public:
         const double end = interval.end ? interval.end[pixel] : 1.;
         const Ray ray = camera_.ray(x, y);
         TileRay tileRay{ SlabRay(ray), 0., 0., 1., {}, 0, 0, 0. };
+        tileRay.slab.enterUpperFaces(field_.octree().grid().bounds());
         if (begin < end)
         {
           tileRay.begin = camera_.tFromDepth(ray, begin);
@@ -134,7 +136,6 @@ public:
         float* rgba = image.rgba.data() + 4 * (static_cast<std::size_t>(y) * image.width + x);
         std::transform(
           rays_[r].color.begin(), rays_[r].color.end(), rgba, [](double c) { return static_cast<float>(c); });
-        rgba[3] = static_cast<float>(1. - rays_[r].transmittance);
       }
     }
   }
@@ -182,6 +183,7 @@ private:
       {
         ray.color[c] += weight * rgba[c];
       }
+      ray.color[3] += weight;
       ray.transmittance -= weight;
       ray.begin = ray.end;
       ++ray.nextHit;
@@ -281,15 +283,14 @@ private:
     const std::array<double, 3>& halfWidths, const LeafField& leafField) noexcept
   {
     const double length = interval[1] - interval[0];
-    std::array<float, 3> position;
-    std::array<float, 3> perLength;
+    std::array<double, 3> position;
+    std::array<double, 3> perLength;
     double squared = 0.;
     for (int a = 0; a < 3; ++a)
     {
       const double d = ray.slab.direction[a] * halfWidths[a];
-      position[a] = static_cast<float>(
-        (ray.slab.origin[a] + interval[0] * ray.slab.direction[a] - box.min[a]) * halfWidths[a]);
-      perLength[a] = static_cast<float>(d * length);
+      position[a] = (ray.slab.origin[a] + interval[0] * ray.slab.direction[a] - box.min[a]) * halfWidths[a];
+      perLength[a] = d * length;
       squared += d * d;
     }
     const double widths = 0.5 * std::sqrt(squared) * length;
@@ -297,19 +298,19 @@ private:
     const double step = length / samples;
     for (int i = 0; i < samples; ++i)
     {
-      const float f = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples);
+      const double f = (i + 0.5) / samples;
       const TransferFunction::Entry e = transferFunction_.at(leafField(
         { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] }));
       if (e.extinction == 0.f)
       {
         continue;
       }
-      const double passes = std::exp(-e.extinction * step);
-      const double weight = ray.transmittance * (1. - passes);
+      const double weight = ray.transmittance * -std::expm1(-e.extinction * step);
       ray.color[0] += weight * e.r;
       ray.color[1] += weight * e.g;
       ray.color[2] += weight * e.b;
-      ray.transmittance *= passes;
+      ray.color[3] += weight;
+      ray.transmittance -= weight;
     }
     statistics_.samples += samples;
   }

@@ -51,15 +51,43 @@ void check(const Field& field, const Camera& camera, const VolumeSettings& setti
   }
 }
 
+/// A transfer function of fewer entries is tabulated anew.
+constexpr std::size_t fewestEntries = 4096;
+
 /// Differences of values and their positions in the table must not leave single precision.
 bool fitsKernel(const Field& field, const TransferFunction& transferFunction)
 {
   constexpr double large = std::numeric_limits<float>::max() / 4.;
+  // Of narrower hulls a block cannot count the steps: they must not matter to the table either.
+  constexpr double narrow = BlockRecord::steps / std::numeric_limits<float>::max();
+  constexpr double steep = 0.01 / (narrow * fewestEntries);
   const Range range = field.range();
   const double width = static_cast<double>(range.max) - range.min;
   const double low = std::abs(transferFunction.min());
   const double scale = transferFunction.scale();
-  return width < large && low < large && scale < large && (scale == 0. || scale > 1. / large);
+  return width < large && low < large && scale < steep && (scale == 0. || scale > 1. / large);
+}
+
+/// Whether single precision tells neighbouring rays from each other, and the two sides of the domain: not so in far
+/// zooms that move the picture, but not the eye, and in domains as thin as a sheet.
+bool resolves(const VolumeKernelScene& scene)
+{
+  const Bounds domain = scene.field.octree().grid().bounds();
+  double reach =
+    0.; // of the domain's middle from the reference, squared; all of it is one diagonal further at most
+  double thickness = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a)
+  {
+    reach += std::pow(0.5 * (domain.min[a] + domain.max[a]) - scene.reference[a], 2);
+    thickness = std::min(thickness, domain.max[a] - domain.min[a]);
+  }
+  const double rounding = 0x1p-24 * (1. + scene.dataScale * std::sqrt(reach));
+  // Of rays from one point both grow with the way from it.
+  const double pixel =
+    scene.features.commonOrigin ? scene.pixelGrowth / 0x1p-24 : scene.pixelWidth / rounding;
+  constexpr double pixelParts = 16.;
+  constexpr double thicknessParts = 256.;
+  return pixel > pixelParts && scene.dataScale * thickness > thicknessParts * rounding;
 }
 
 /// Where the kernel counts from, and in which units.
@@ -132,15 +160,20 @@ double leafWidth(const VolumeKernelScene& scene, int level)
 void fillTable(VolumeKernelScene& scene)
 {
   const std::vector<TransferFunction::Entry>& entries = scene.transferFunction.entries();
-  const std::size_t size = entries.size();
+  const std::size_t perEntry = (fewestEntries - 2) / (entries.size() - 1) + 1;
+  const std::size_t size = (entries.size() - 1) * perEntry + 1;
   // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
   const double opaque = 1e6 / leafWidth(scene, scene.field.octree().leafLevels());
   std::vector<std::array<double, 4>> terms(size);
   KernelTable& table = scene.table;
-  table.entries = entries;
+  table.perEntry = static_cast<double>(perEntry);
+  table.last = static_cast<float>(size - 1);
+  table.entries.resize(size);
   for (std::size_t i = 0; i < size; ++i)
   {
-    const TransferFunction::Entry& e = entries[i];
+    const TransferFunction::Entry e =
+      scene.transferFunction.atPosition(static_cast<double>(i) / table.perEntry);
+    table.entries[i] = e;
     const double perUnit = e.extinction / scene.scale;
     table.entries[i].extinction =
       static_cast<float>(std::min<double>(perUnit * std::numbers::log2e, TransferFunction::opaqueExtinction));
@@ -168,20 +201,22 @@ void fillTable(VolumeKernelScene& scene)
     scene.settings.preIntegration && error * leafWidth(scene, 0) > pointSampleTolerance;
   if (scene.features.preIntegration)
   {
-    table.integrals.resize(size + 1);
+    table.integrals.resize(size);
     std::array<double, 4> sum{};
-    for (std::size_t i = 0; i <= size; ++i)
+    for (std::size_t i = 0; i < size; ++i)
     {
       for (int c = 0; c < 4; ++c)
       {
         table.integrals[i].sum[c] = static_cast<float>(sum[c]);
         table.integrals[i].rest[c] = static_cast<float>(sum[c] - table.integrals[i].sum[c]);
-        sum[c] += i < size ? terms[i][c] : 0.;
+        table.integrals[i].own[c] = static_cast<float>(terms[i][c]);
+        sum[c] += terms[i][c];
       }
     }
   }
 }
 
+/// Without its table.
 VolumeKernelScene makeScene(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image, const TranslucentHits* surfaces = nullptr)
@@ -190,7 +225,6 @@ VolumeKernelScene makeScene(const Field& field, const TransferFunction& transfer
     {}, 0., 1., 1., {}, {}, 0., 0. };
   place(scene);
   measurePixels(scene);
-  fillTable(scene);
   return scene;
 }
 
@@ -201,12 +235,13 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   Image& image, const TranslucentHits* surfaces)
 {
   check(field, camera, settings, image, surfaces);
-  if (!fitsKernel(field, transferFunction))
+  VolumeKernelScene scene =
+    makeScene(field, transferFunction, camera, interval, settings, kept, image, surfaces);
+  if (!fitsKernel(field, transferFunction) || !resolves(scene))
   {
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image, surfaces);
   }
-  const VolumeKernelScene scene =
-    makeScene(field, transferFunction, camera, interval, settings, kept, image, surfaces);
+  fillTable(scene);
   if (settings.levelOfDetailPixels > 0.)
   {
     kept.prepareMeans();
@@ -241,7 +276,8 @@ VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& t
   check(field, camera, settings, image);
   VertexCache none(field.octree(), 0);
   const DepthInterval interval;
-  const VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, image);
+  VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, image);
+  fillTable(scene);
   const auto& entries = scene.table.entries;
   std::size_t faintest = 0;
   for (std::size_t i = 1; i < entries.size(); ++i)

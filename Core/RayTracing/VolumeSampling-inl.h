@@ -49,8 +49,9 @@ HWY_INLINE Floats negMulAdd(Floats a, Floats b, Floats c)
   return hn::Sub(c, hn::Mul(a, b));
 }
 
-/// 2 to the power of x <= 0 (Cephes' polynomial for single precision, without its range checks).
-HWY_INLINE Floats exp2(Floats x)
+/// 1 - 2^x for x <= 0, to the digits of the result: what a faint step holds back is not lost beside one.
+/// (Cephes' polynomial for single precision, without its range checks.)
+HWY_INLINE Floats heldBack(Floats x)
 {
   const FloatTag d;
   const IntTag di;
@@ -63,9 +64,9 @@ HWY_INLINE Floats exp2(Floats x)
   p = mulAdd(p, f, hn::Set(d, 5.550332471162809e-2f));
   p = mulAdd(p, f, hn::Set(d, 2.402264791363012e-1f));
   p = mulAdd(p, f, hn::Set(d, 6.931472028550421e-1f));
-  p = mulAdd(p, f, hn::Set(d, 1.f));
-  const Ints exponent = hn::ShiftLeft<23>(hn::NearestInt(whole));
-  return hn::BitCast(d, hn::Add(hn::BitCast(di, p), exponent));
+  p = hn::Mul(p, f); // 2^f - 1
+  const Floats power = hn::BitCast(d, hn::ShiftLeft<23>(hn::Add(hn::NearestInt(whole), hn::Set(di, 127))));
+  return negMulAdd(power, p, hn::Sub(hn::Set(d, 1.f), power));
 }
 
 /// How a block's values become positions in the transfer function's table.
@@ -228,6 +229,7 @@ HWY_INLINE void sample(const Span& span, const float (&steps)[Count], const Valu
 struct Light
 {
   Floats transmittance;
+  Floats opacity; // summed up by itself: one minus the transmittance has no digits for faint things
   Floats red;
   Floats green;
   Floats blue;
@@ -260,45 +262,53 @@ HWY_INLINE int takePoints(const float* entries, const Span& span, float i, const
   {
     return 0;
   }
-  Floats passes[Count];
+  Floats held[Count];
   for (int k = 0; k < Count; ++k)
   {
-    passes[k] = exp2(hn::Neg(hn::Mul(extinction[k], span.depthPerExtinction)));
+    held[k] = heldBack(hn::Neg(hn::Mul(extinction[k], span.depthPerExtinction)));
   }
   for (int k = 0; k < Count; ++k)
   {
-    const Floats weight = negMulAdd(light.transmittance, passes[k], light.transmittance);
+    const Floats weight = hn::Mul(light.transmittance, held[k]);
     light.red = mulAdd(weight, hn::GatherIndex(d, entries, entry[k]), light.red);
     light.green = mulAdd(weight, hn::GatherIndex(d, entries + 1, entry[k]), light.green);
     light.blue = mulAdd(weight, hn::GatherIndex(d, entries + 2, entry[k]), light.blue);
-    light.transmittance = hn::Mul(light.transmittance, passes[k]);
+    light.opacity = hn::Add(light.opacity, weight);
+    light.transmittance = hn::Sub(light.transmittance, weight);
   }
   return Count;
 }
 
-/// Mean of extinction and extinction times colour over the table between two positions.
-HWY_INLINE void integral(const KernelTable::Integral* integrals, Floats low, Floats high, Floats (&mean)[4])
+/// Mean of extinction and extinction times colour over the table between two positions, at which entry i begins
+/// at i: it stands for what is nearest to it. last: number of the last entry.
+HWY_INLINE void integral(
+  const KernelTable::Integral* integrals, float last, Floats low, Floats high, Floats (&mean)[4])
 {
   const FloatTag d;
   const IntTag di;
-  const Ints first = hn::NearestInt(low);
-  const Ints end = hn::Add(hn::NearestInt(high), hn::Set(di, 1));
-  const Floats perEntry = hn::Div(hn::Set(d, 1.f), hn::ConvertTo(d, hn::Sub(end, first)));
+  constexpr int row = sizeof(KernelTable::Integral) / sizeof(float);
+  const Floats perEntry = hn::Div(hn::Set(d, 1.f), hn::Sub(high, low));
+  const Floats first = hn::Floor(low);
+  const Floats end = hn::Min(hn::Floor(high), hn::Set(d, last));
+  const Floats before = hn::Sub(low, first); // parts of entries
+  const Floats beyond = hn::Sub(high, end);
   const float* table = integrals->sum;
-  const Ints from = hn::ShiftLeft<3>(first); // rows of eight floats
-  const Ints to = hn::ShiftLeft<3>(end);
+  const Ints from = hn::Mul(hn::ConvertTo(di, first), hn::Set(di, row));
+  const Ints to = hn::Mul(hn::ConvertTo(di, end), hn::Set(di, row));
   for (int c = 0; c < 4; ++c)
   {
     const Floats sum = hn::Sub(hn::GatherIndex(d, table + c, to), hn::GatherIndex(d, table + c, from));
     const Floats rest =
       hn::Sub(hn::GatherIndex(d, table + 4 + c, to), hn::GatherIndex(d, table + 4 + c, from));
-    mean[c] = hn::Mul(hn::Add(sum, rest), perEntry);
+    const Floats parts = negMulAdd(before, hn::GatherIndex(d, table + 8 + c, from),
+      hn::Mul(beyond, hn::GatherIndex(d, table + 8 + c, to)));
+    mean[c] = hn::Mul(hn::Add(hn::Add(sum, rest), parts), perEntry);
   }
 }
 
 /// Steps by the transfer function's integrals.
 template <class Values>
-HWY_INLINE void takeIntegrals(const KernelTable::Integral* integrals, const Span& span, float mostSamples,
+HWY_INLINE void takeIntegrals(const KernelTable& table, const Span& span, float mostSamples,
   const Values& values, const ToTable& toTable, const Lattice& lattice, Light& light)
 {
   const FloatTag d;
@@ -307,24 +317,31 @@ HWY_INLINE void takeIntegrals(const KernelTable::Integral* integrals, const Span
   Floats before = first[0];
   for (float i = 0.f; i < mostSamples; i += 1.f)
   {
-    // Of the change over the step, about the value in its middle: that follows a bent field.
+    // Of the change over the step, about the value in its middle: that follows a bent field. Of an entry at
+    // least, so that a spike crossed in many steps has no more and no less than its share.
     Floats position[2];
     sample(span, { i + 0.5f, i + 1.f }, values, toTable, lattice, position);
-    const Floats half = hn::Mul(hn::Abs(hn::Sub(position[1], before)), hn::Set(d, 0.5f));
+    const Floats half =
+      hn::Max(hn::Mul(hn::Abs(hn::Sub(position[1], before)), hn::Set(d, 0.5f)), hn::Set(d, 0.5f));
     before = position[1];
+    const Floats middle = hn::Add(position[0], hn::Set(d, 0.5f));
     Floats mean[4];
-    integral(integrals, hn::Max(hn::Sub(position[0], half), hn::Set(d, toTable.first)),
-      hn::Min(hn::Add(position[0], half), hn::Set(d, toTable.last)), mean);
-    const Floats extinction = hn::IfThenElseZero(hn::Lt(hn::Set(d, i), span.samples), mean[3]);
-    const Floats passes =
-      exp2(hn::Mul(extinction, hn::Mul(span.depthPerExtinction, hn::Set(d, -1.44269504f))));
-    // Of the light that the step holds back; none where there is no extinction.
-    const Floats weight = hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)),
-      hn::Div(negMulAdd(light.transmittance, passes, light.transmittance), extinction));
-    light.red = mulAdd(weight, mean[0], light.red);
-    light.green = mulAdd(weight, mean[1], light.green);
-    light.blue = mulAdd(weight, mean[2], light.blue);
-    light.transmittance = hn::Mul(light.transmittance, passes);
+    // Within the entries around the hull by which nodes are skipped.
+    integral(table.integrals.data(), table.last, hn::Max(hn::Sub(middle, half), hn::Set(d, toTable.first)),
+      hn::Min(hn::Add(middle, half), hn::Set(d, toTable.last + 1.f)), mean);
+    const Floats extinction =
+      hn::IfThenElseZero(hn::Lt(hn::Set(d, i), span.samples), hn::ZeroIfNegative(mean[3]));
+    const Floats held =
+      heldBack(hn::Mul(extinction, hn::Mul(span.depthPerExtinction, hn::Set(d, -1.44269504f))));
+    const Floats weight = hn::Mul(light.transmittance, held);
+    // None where there is no extinction.
+    const Floats perExtinction =
+      hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)), hn::Div(weight, extinction));
+    light.red = mulAdd(perExtinction, mean[0], light.red);
+    light.green = mulAdd(perExtinction, mean[1], light.green);
+    light.blue = mulAdd(perExtinction, mean[2], light.blue);
+    light.opacity = hn::Add(light.opacity, weight);
+    light.transmittance = hn::Sub(light.transmittance, weight);
   }
 }
 

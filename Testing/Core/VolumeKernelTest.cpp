@@ -387,31 +387,6 @@ TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
   EXPECT_EQ(image.rgba, expected.rgba);
 }
 
-TEST(VolumeKernel, SpikesNarrowerThanAnyStepAreIntegrated)
-{
-  // The field is z, linear but for the outermost half cells. A spike of one entry holds back as much light
-  // wherever it falls between samples.
-  auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
-  setValues(cells, [](const auto& p) { return p[2]; });
-  const auto field = makeField(unitRoots({ 2, 2, 2 }), cells);
-  const Camera camera(views().back().clip, identityMatrix, width, height);
-  ASSERT_STREQ(views().back().name, "along an axis");
-  constexpr int size = 4096;
-  constexpr double depth = 0.7; // of the whole spike
-  for (int at = 700; at < 3400; at += 123)
-  {
-    std::vector<TransferFunction::Entry> entries(size, { 0.f, 0.f, 0.f, 0.f });
-    entries[at] = { 1.f, 0.5f, 0.25f, static_cast<float>(depth * (size - 1) / 2.) };
-    Image image(width, height);
-    renderVolume(*field, TransferFunction(0., 2., entries), camera, {}, {}, image);
-    const float* middle = image.rgba.data() + 4 * (width * (height / 2) + width / 2);
-    // The interval of values is rounded to whole entries.
-    EXPECT_NEAR(middle[3], 1. - std::exp(-depth), 0.01) << at;
-    EXPECT_NEAR(middle[0], middle[3], 1e-5) << at;
-    EXPECT_NEAR(middle[1], 0.5 * middle[3], 1e-5) << at;
-  }
-}
-
 TEST(VolumeKernel, WithoutPreIntegrationASpikeIsMissedOrFillsAStep)
 {
   auto cells = makeRandomTree({ 1, { 2, 2, 2 }, 3, 1., 0., false });
