@@ -36,6 +36,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
 
@@ -430,7 +431,6 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
   const double radius = this->AmbientOcclusionRadius * view.DiagonalOf(this->Private->Field->octree().grid());
   if (radius != view.AmbientOcclusionRadius || visibility.samples > this->AmbientOcclusionSamples)
   {
-    visibility.open.clear();
     visibility.samples = 0;
   }
   view.AmbientOcclusionRadius = radius;
@@ -439,9 +439,14 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
     : this->AmbientOcclusionSamples;
   if (end > visibility.samples)
   {
-    visibility.open.resize(view.Hits.hits.size());
+    // None until all are there: what throws has added some.
+    const int begin = std::exchange(visibility.samples, 0);
+    if (begin == 0)
+    {
+      visibility.open.assign(view.Hits.hits.size(), 0);
+    }
     treeamr::traceAmbientOcclusion(
-      *view.Surface, *view.Camera, view.Hits, radius, visibility.samples, end, visibility.open);
+      *view.Surface, *view.Camera, view.Hits, radius, begin, end, visibility.open);
     visibility.samples = end;
   }
 
@@ -452,6 +457,7 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
   }
   else if (view.ShadowLights != lights)
   {
+    view.ShadowLights.clear();
     treeamr::traceShadows(*view.Surface, *view.Camera, view.Hits, lights, visibility.lit);
     view.ShadowLights = lights;
   }
@@ -602,9 +608,10 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
     vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
     const vtkMTimeType stamp =
       std::max(this->GetMTime(), grid ? treeamr::gridModificationTime(grid) : vtkMTimeType(0));
-    if (this->Private->Errors.isNews(error.what(), stamp))
+    const char* const message = treeamr::describe(error);
+    if (this->Private->Errors.isNews(message, stamp))
     {
-      vtkErrorMacro(<< error.what());
+      vtkErrorMacro(<< message);
     }
   }
   timer->StopTimer();
