@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <new>
 
 namespace treeamr
 {
@@ -132,6 +133,11 @@ const std::shared_ptr<const Field>& FieldSlot::acquire(
       failure_ = error.what();
       throw;
     }
+    catch (...)
+    {
+      field_.reset(); // the old one is not what was asked for; another time there may be memory
+      throw;
+    }
   }
   return field_;
 }
@@ -179,6 +185,11 @@ void BoundsSlot::get(vtkHyperTreeGrid* grid, double bounds[6])
     time_ = time;
   }
   std::copy(bounds_.begin(), bounds_.end(), bounds);
+}
+
+const char* describe(const std::exception& error)
+{
+  return dynamic_cast<const std::bad_alloc*>(&error) ? "not enough memory" : error.what();
 }
 
 bool OnceReporter::isNews(const std::string& message, vtkMTimeType stamp)

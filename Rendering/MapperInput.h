@@ -9,6 +9,7 @@
 #include "vtkType.h"
 
 #include <array>
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,6 +67,9 @@ private:
   vtkMTimeType time_ = 0;
   std::array<double, 6> bounds_{ 1., -1., 1., -1., 1., -1. };
 };
+
+/// What to tell the user of whatever ended a frame.
+const char* describe(const std::exception& error);
 
 /// Frames repeat; messages should not.
 class OnceReporter

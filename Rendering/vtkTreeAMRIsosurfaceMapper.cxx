@@ -38,6 +38,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
 
@@ -446,11 +447,16 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
     : this->AmbientOcclusionSamples;
   if (end > view.AmbientOcclusionRays)
   {
-    view.OpenRays.resize(view.Hits.hits.size());
-    treeamr::traceAmbientOcclusion(
-      *view.Surface, *view.Camera, view.Hits, radius, view.AmbientOcclusionRays, end, view.OpenRays);
-    view.AmbientOcclusionRays = end;
+    // None until all are there: what throws has added some.
+    const int begin = std::exchange(view.AmbientOcclusionRays, 0);
+    visibility.open.clear();
+    if (begin == 0)
+    {
+      view.OpenRays.assign(view.Hits.hits.size(), 0);
+    }
+    treeamr::traceAmbientOcclusion(*view.Surface, *view.Camera, view.Hits, radius, begin, end, view.OpenRays);
     visibility.open = treeamr::filterAmbientOcclusion(*view.Camera, view.Hits, view.OpenRays, end);
+    view.AmbientOcclusionRays = end;
   }
 
   if (!this->Shadows)
@@ -460,6 +466,7 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
   }
   else if (view.ShadowLights != lights)
   {
+    view.ShadowLights.clear();
     treeamr::traceShadows(*view.Surface, *view.Camera, view.Hits, lights, visibility.lit);
     view.ShadowLights = lights;
   }
@@ -610,9 +617,10 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
     vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
     const vtkMTimeType stamp =
       std::max(this->GetMTime(), grid ? treeamr::gridModificationTime(grid) : vtkMTimeType(0));
-    if (this->Private->Errors.isNews(error.what(), stamp))
+    const char* const message = treeamr::describe(error);
+    if (this->Private->Errors.isNews(message, stamp))
     {
-      vtkErrorMacro(<< error.what());
+      vtkErrorMacro(<< message);
     }
   }
   timer->StopTimer();

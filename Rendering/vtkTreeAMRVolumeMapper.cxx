@@ -504,7 +504,7 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
   }
   catch (const std::exception& error)
   {
-    this->Report(error.what(), volume);
+    this->Report(treeamr::describe(error), volume);
   }
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();

@@ -16,7 +16,9 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <limits>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -99,12 +101,20 @@ struct Batch
 {
   RTCIntersectContext context; // first: Embree hands back a pointer to it
   Query* queries;
+  std::exception_ptr failure; // of a callback: Embree would drop it with the rest of the hits
 
   explicit Batch(Query* q, RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
     : queries(q)
   {
     rtcInitIntersectContext(&context);
     context.flags = flags;
+  }
+  void rethrow() const
+  {
+    if (failure)
+    {
+      std::rethrow_exception(failure);
+    }
   }
 };
 
@@ -136,12 +146,29 @@ struct Isosurface::Impl
   }
   ~Impl()
   {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
+    // Releasing nothing is an error, which a later one would hide behind.
+    if (scene)
+    {
+      rtcReleaseScene(scene);
+    }
+    if (device)
+    {
+      rtcReleaseDevice(device);
+    }
   }
 
-  static bool count(void* self, ssize_t bytes, bool) noexcept
+  /// Embree 3.13 crashes where memory turns out to be short, but reports an error where it is refused.
+  static bool count(void* self, ssize_t bytes, bool isDone) noexcept
   {
+    if (bytes > 0 && !isDone)
+    {
+      void* const memory = ::operator new(static_cast<std::size_t>(bytes), std::nothrow);
+      ::operator delete(memory);
+      if (!memory)
+      {
+        return false;
+      }
+    }
     static_cast<Impl*>(self)->embreeBytes += bytes;
     return true;
   }
@@ -163,28 +190,36 @@ struct Isosurface::Impl
     }
   }
 
-  /// Calls body(query, index of the ray) for the rays that Embree asks about.
-  template <class Args, class Body>
-  static void forEachQuery(const Args* args, RTCRayN* rays, const Body& body)
+  /// Calls visit(record, planes, query, index of the ray) for the rays that Embree asks about.
+  template <class Args, class Visit>
+  static void forEachQuery(const Args* args, RTCRayN* rays, const Visit& visit) noexcept
   {
-    const Batch& batch = *reinterpret_cast<const Batch*>(args->context);
-    for (unsigned i = 0; i < args->N; ++i)
+    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
+    Batch& batch = *reinterpret_cast<Batch*>(args->context);
+    try
     {
-      if (args->valid[i] != 0)
+      const SurfaceRecord& record = self.blocks.record(args->primID);
+      record.prefetch();
+      const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
+      for (unsigned i = 0; i < args->N; ++i)
       {
-        body(batch.queries[RTCRayN_id(rays, args->N, i)], i);
+        if (args->valid[i] != 0)
+        {
+          visit(record, planes, batch.queries[RTCRayN_id(rays, args->N, i)], i);
+        }
       }
+    }
+    catch (...)
+    {
+      batch.failure = std::current_exception();
     }
   }
 
   static void intersectBlock(const RTCIntersectFunctionNArguments* args)
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    const SurfaceRecord& record = self.blocks.record(args->primID);
-    record.prefetch();
-    const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
-    forEachQuery(args, rays, [&](Query& query, unsigned i) {
+    forEachQuery(args, rays, [&](const auto& record, const auto& planes, Query& query, unsigned i) {
       if (query.all)
       {
         self.collectInBlock(args->primID, record, planes, query);
@@ -201,9 +236,7 @@ struct Isosurface::Impl
   static void occludeBlock(const RTCOccludedFunctionNArguments* args)
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    const SurfaceRecord& record = self.blocks.record(args->primID);
-    const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
-    forEachQuery(args, args->ray, [&](Query& query, unsigned i) {
+    forEachQuery(args, args->ray, [&](const auto& record, const auto& planes, Query& query, unsigned i) {
       if (self.nearestInBlock(args->primID, record, planes, query))
       {
         RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
@@ -295,20 +328,23 @@ struct Isosurface::Impl
     }
     rtcSetDeviceMemoryMonitorFunction(device, count, this);
     scene = rtcNewScene(device);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(blocks.all().size()));
-    rtcSetGeometryUserData(geometry, this);
-    rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, intersectBlock);
-    rtcSetGeometryOccludedFunction(geometry, occludeBlock);
-    // Three times as fast to build as Embree's default, for frames that take 1 or 2 % longer; the scene's quality
-    // alone makes frames 25 % slower.
-    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
-    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
+    RTCGeometry geometry = scene ? rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER) : nullptr;
+    if (geometry) // else the device has the error
+    {
+      rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(blocks.all().size()));
+      rtcSetGeometryUserData(geometry, this);
+      rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
+      rtcSetGeometryIntersectFunction(geometry, intersectBlock);
+      rtcSetGeometryOccludedFunction(geometry, occludeBlock);
+      // Three times as fast to build as Embree's default, for frames that take 1 or 2 % longer; the scene's quality
+      // alone makes frames 25 % slower.
+      rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_LOW);
+      rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometry(scene, geometry);
+      rtcReleaseGeometry(geometry);
+      rtcCommitScene(scene);
+    }
     if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     {
       throw Error("isosurface: Embree reports error " + std::to_string(error) + " for " +
@@ -366,6 +402,7 @@ struct Isosurface::Impl
     Batch batch(&query);
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene, &batch.context, &ray);
+    batch.rethrow();
   }
 
   /// The nearest hit of a traced query, if there is one.
@@ -491,6 +528,7 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
   }
   Batch batch(&query);
   rtcOccluded1(impl_->scene, &batch.context, &r);
+  batch.rethrow();
   return query.nearest.block != RTC_INVALID_GEOMETRY_ID;
 }
 
@@ -570,6 +608,7 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
     }
     Batch batch(own->queries.data(), RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
     rtcIntersect1M(impl_->scene, &batch.context, own->rays.data(), count, sizeof(RTCRayHit));
+    batch.rethrow();
     for (unsigned k = 0; k < count; ++k)
     {
       const std::size_t before = found.size();

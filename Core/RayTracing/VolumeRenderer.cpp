@@ -109,11 +109,12 @@ void place(VolumeKernelScene& scene)
   scene.dataScale = 1. / std::sqrt(diagonal);
   diagonal = std::sqrt(diagonal / squared);
   toCentre /= squared;
-  // Far away (narrow angles), counting from the eye would leave the domain to the last digits.
+  // Far away (narrow angles), counting from the eye would leave the domain to the last digits; in it, counting from
+  // its border would leave them to a small view.
   constexpr double nearby = 8.;
   scene.scale = 1. / diagonal;
   scene.features.commonOrigin = camera.isPerspective() && std::abs(toCentre) < nearby * diagonal;
-  scene.tReference = scene.features.commonOrigin ? 0. : toCentre - diagonal;
+  scene.tReference = scene.features.commonOrigin ? 0. : std::max(0., toCentre - diagonal);
   for (int a = 0; a < 3; ++a)
   {
     scene.reference[a] = central.origin[a] + scene.tReference * central.direction[a];
