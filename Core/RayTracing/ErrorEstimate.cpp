@@ -18,9 +18,9 @@ constexpr double refinement = 4.;
 /// Below it more samples per cell hardly add to those that every block has.
 constexpr double leastConverged = 4.;
 /// One group of pixels in so many, within limits: a few dozen estimate an error to a fifth of it.
-constexpr std::size_t groupsPerChosen = 250;
-constexpr std::size_t leastChosen = 64;
-constexpr std::size_t mostChosen = 256;
+constexpr std::size_t groupsPerChosen = 500;
+constexpr std::size_t leastChosen = 48;
+constexpr std::size_t mostChosen = 128;
 /// Groups of which one is chosen: to look at all of a large image would take as long as the rays.
 constexpr std::size_t candidatesPerChosen = 16;
 /// Added to a group's variation: even colours may be wrong.
@@ -175,35 +175,61 @@ double ErrorEstimator::errorOf(const std::vector<float>& rgba) const noexcept
 
 double ErrorEstimator::findSamplesPerCell(double target, double least, double most)
 {
-  double samples = settings_.samplesPerCell;
-  double error = error_;
-  double otherSamples = samples; // on the target's other side
-  double otherError = error;
-  const bool more = error > target;
-  while (more ? error > target && samples < most : error <= target && samples > least)
+  struct Try
   {
-    otherSamples = samples;
-    otherError = error;
-    samples = more ? std::min(2. * samples, most) : std::max(0.5 * samples, least);
+    double samples;
+    double error;
+  };
+  const auto attempt = [&](double samples) {
     refine(samples);
-    error = errorOf(render(samples));
-  }
-  if ((error > target) == (otherError > target))
+    return Try{ samples, errorOf(render(samples)) };
+  };
+  // Neighbouring settings on the two sides of the target.
+  Try misses{ std::clamp(settings_.samplesPerCell, least, most), error_ };
+  Try meets = misses;
+  if (error_ > target)
   {
-    return std::clamp(samples, least, most);
+    while (meets.error > target)
+    {
+      if (meets.samples == most)
+      {
+        return most;
+      }
+      misses = meets;
+      meets = attempt(std::min(2. * misses.samples, most));
+    }
   }
-  // A power of the samples in between.
-  const auto logarithm = [](double e) { return std::log(std::max(e, 1e-12)); };
-  const double part =
-    (logarithm(otherError) - logarithm(target)) / (logarithm(otherError) - logarithm(error));
-  return std::clamp(otherSamples * std::pow(samples / otherSamples, std::clamp(part, 0., 1.)), least, most);
+  else
+  {
+    while (misses.error <= target)
+    {
+      if (misses.samples == least)
+      {
+        return least;
+      }
+      meets = misses;
+      misses = attempt(std::max(0.5 * meets.samples, least));
+    }
+  }
+  // In between about a power of the samples, with jumps where many blocks get one sample more or are integrated in
+  // another way.
+  constexpr int refinements = 2;
+  for (int i = 0; i < refinements && target > 0.; ++i)
+  {
+    const double part =
+      std::log(misses.error / target) / (std::log(misses.error) - std::log(std::max(meets.error, 1e-12)));
+    const Try between =
+      attempt(misses.samples * std::pow(meets.samples / misses.samples, std::clamp(part, 0.1, 0.9)));
+    (between.error > target ? misses : meets) = between;
+  }
+  return meets.samples;
 }
 
 bool ErrorTarget::update(ErrorEstimator& estimator, double target)
 {
   // Room for what the estimate errs by and for other views; within it the samples stay what they are.
-  constexpr double aim = 0.8;
-  constexpr double low = 0.6;
+  constexpr double aim = 0.7;
+  constexpr double low = 0.5;
   const double before = samplesPerCell_;
   const double error = estimator.error();
   if (error > target || error < low * target)

@@ -18,8 +18,9 @@ namespace treeamr
 
 /// Errors are root mean squares over red, green and blue, premultiplied, peak 1, of all pixels of the image, also
 /// of those where nothing is drawn. They are of the integration along the rays alone, not of what levels of detail,
-/// fewer rays than pixels or the reconstruction add, nor of rounding: in single precision, with vertex values in
-/// steps and a tabulated transfer function, that makes up to about 1e-5.
+/// fewer rays than pixels or the reconstruction add. Nor do they hold what all frames have in common: vertex values
+/// in steps, the transfer function's table and rays that end before their last light does, together up to about 1e-4
+/// (80 dB). An error of few pixels may be missed, as that of a function with a step to opaque under many samples.
 class ErrorEstimator
 {
 public:
@@ -31,8 +32,8 @@ public:
 
   /// Of the frame.
   double error() const noexcept { return error_; }
-  /// The samples per cell, least to most, with which the frame's error comes to the target: least when it stays
-  /// below, most when it cannot be met. Integrates the pixels again for each of the settings tried.
+  /// About the least samples per cell, in [least, most], with which the frame's error meets the target; most when it
+  /// cannot be met. Integrates the pixels again for each of the settings tried.
   double findSamplesPerCell(double target, double least, double most);
 
 private:
