@@ -7,6 +7,7 @@
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
+#include "RayTracing/ErrorEstimate.h"
 #include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeRenderer.h"
 
@@ -47,8 +48,12 @@ struct Frame
   bool Interactive = false;
   double ImageSampleDistance = 0.;
   double LevelOfDetail = 0.;
+  double SamplesPerCell = 0.;
+  double NextSamplesPerCell = 0.; // to meet the target, the most that any part asks for
+  double SquaredError = -1.;      // sum over the parts; negative: not estimated
   treeamr::VolumeStatistics Counts;
   double RayCastingSeconds = 0.;
+  double ErrorSeconds = 0.;
   double CompositingSeconds = 0.;
 };
 
@@ -118,6 +123,8 @@ struct vtkTreeAMRVolumeMapper::Internals
   Frame CurrentFrame;
   // Of this field with this transfer function.
   std::map<std::pair<vtkRenderer*, vtkVolume*>, treeamr::SampleDistanceControl> SampleDistances;
+  // That met the target in the last still frame.
+  std::map<std::pair<vtkRenderer*, vtkVolume*>, double> SamplesPerCell;
   vtkNew<vtkTable> Statistics;
 };
 
@@ -145,6 +152,8 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << endl;
   os << indent << "InteractiveRenderTime: " << this->InteractiveRenderTime << endl;
   os << indent << "LevelOfDetail: " << this->LevelOfDetail << endl;
+  os << indent << "EstimateError: " << this->EstimateError << endl;
+  os << indent << "TargetError: " << this->TargetError << endl;
   os << indent << "ShowIsosurfaces: " << this->ShowIsosurfaces << endl;
   os << indent << "IsosurfaceOpacityScale: " << this->IsosurfaceOpacityScale << endl;
   os << indent << "Statistics:" << endl;
@@ -213,9 +222,12 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   addColumn(table, "SurfaceHits", internals.Surfaces.hits().image.hits.size());
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
+  addColumn(table, "SamplesPerCell", frame.SamplesPerCell);
+  addColumn(table, "EstimatedError", frame.SquaredError < 0. ? -1. : std::sqrt(frame.SquaredError));
   addColumn(table, "FieldSeconds", internals.FieldSeconds);
   addColumn(table, "TransferFunctionSeconds", internals.TransferFunctionSeconds);
   addColumn(table, "RayCastingSeconds", frame.RayCastingSeconds);
+  addColumn(table, "ErrorSeconds", frame.ErrorSeconds);
   addColumn(table, "CompositingSeconds", frame.CompositingSeconds);
   return table;
 }
@@ -251,7 +263,7 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
          std::pair("minimum image sample distance", this->MinimumImageSampleDistance),
          std::pair("maximum image sample distance", this->MaximumImageSampleDistance),
          std::pair("interactive render time", this->InteractiveRenderTime),
-         std::pair("level of detail", this->LevelOfDetail),
+         std::pair("level of detail", this->LevelOfDetail), std::pair("target error", this->TargetError),
          std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale) })
   {
     if (std::isnan(value)) // passes VTK's clamping
@@ -290,6 +302,7 @@ void vtkTreeAMRVolumeMapper::UpdateField()
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
     internals.Field = field;
     internals.Kept.reset();
+    internals.SamplesPerCell.clear();
     internals.FieldTime.Modified();
     internals.TransferFunction.reset();
   }
@@ -385,7 +398,62 @@ void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume
       frame.LevelOfDetail = this->LevelOfDetail;
     }
   }
+  frame.SamplesPerCell = this->SamplesPerCell;
+  if (!frame.Interactive && (this->EstimateError || this->TargetError > 0.))
+  {
+    frame.SquaredError = 0.;
+    if (this->TargetError > 0.)
+    {
+      const auto found = internals.SamplesPerCell.find(frame.Of);
+      frame.SamplesPerCell =
+        treeamr::ErrorTarget(found != internals.SamplesPerCell.end() ? found->second : this->SamplesPerCell)
+          .samplesPerCell();
+    }
+  }
   internals.CurrentFrame = frame;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::CastRays(const treeamr::Camera& camera, const treeamr::DepthInterval& interval,
+  const treeamr::TranslucentHits* surfaces, bool isPart, treeamr::Image& image)
+{
+  Internals& internals = *this->Private;
+  Frame& frame = internals.CurrentFrame;
+  treeamr::VolumeSettings settings;
+  settings.samplesPerCell = frame.SamplesPerCell;
+  settings.skipEmpty = this->SkipEmptySpace || !this->ShowsVolume();
+  settings.levelOfDetailPixels = frame.LevelOfDetail;
+  const auto render = [&] {
+    const Stopwatch stopwatch(frame.RayCastingSeconds);
+    frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction, camera, interval,
+      settings, *internals.Kept, image, surfaces);
+  };
+  render();
+  if (frame.SquaredError < 0.)
+  {
+    return;
+  }
+  double squaredError = 0.;
+  treeamr::ErrorTarget target(settings.samplesPerCell);
+  const auto estimate = [&] {
+    const Stopwatch stopwatch(frame.ErrorSeconds);
+    treeamr::ErrorEstimator estimator(*internals.Field, *internals.TransferFunction, camera, interval,
+      settings, *internals.Kept, image, surfaces);
+    squaredError = std::pow(estimator.error(), 2);
+    return this->TargetError > 0. && target.update(estimator, this->TargetError);
+  };
+  constexpr int mostRepeats = 2;
+  for (int repeats = 0; estimate() && !isPart && repeats < mostRepeats; ++repeats)
+  {
+    settings.samplesPerCell = frame.SamplesPerCell = target.samplesPerCell();
+    render();
+  }
+  frame.SquaredError += squaredError;
+  if (this->TargetError > 0.)
+  {
+    frame.NextSamplesPerCell = std::max(frame.NextSamplesPerCell, target.samplesPerCell());
+    internals.SamplesPerCell[frame.Of] = frame.NextSamplesPerCell;
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -403,6 +471,7 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   const treeamr::Matrix4 worldFromData = treeamr::worldFromData(volume);
 
   std::optional<treeamr::TranslucentHits> surfaces;
+  const bool peeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
   const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
     const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
     vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
@@ -416,29 +485,25 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
     const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
     if (!rays.IsEmpty())
     {
-      const Stopwatch stopwatch(frame.RayCastingSeconds);
-      treeamr::VolumeSettings settings;
-      settings.samplesPerCell = this->SamplesPerCell;
-      settings.skipEmpty = this->SkipEmptySpace || !this->ShowsVolume();
-      settings.levelOfDetailPixels = frame.LevelOfDetail;
+      const treeamr::Camera camera(clipFromData, worldFromData, reduction.width(), reduction.height());
+      const treeamr::DepthInterval interval{ rays.Begin.empty() ? nullptr : rays.Begin.data(),
+        rays.End.empty() ? nullptr : rays.End.data() };
       if (internals.Surfaces.engine() && !surfaces) // the same for the other part of the rays
       {
+        const Stopwatch stopwatch(frame.RayCastingSeconds);
         internals.Surfaces.trace(clipFromData, worldFromData, reduction.width(), reduction.height());
         internals.Surfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
                                    internals.Surfaces.engine()->isovalues(), this->IsosurfaceOpacityScale),
           treeamr::convertLights(renderer));
         surfaces.emplace(internals.Surfaces.hits());
       }
-      frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction,
-        treeamr::Camera(clipFromData, worldFromData, reduction.width(), reduction.height()),
-        { rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data() },
-        settings, *internals.Kept, result.Image, surfaces ? &*surfaces : nullptr);
+      this->CastRays(camera, interval, surfaces ? &*surfaces : nullptr, peeling, result.Image);
     }
     return result;
   };
 
   const int pixels = viewport.Width * viewport.Height;
-  if (vtkTreeAMRDepthPeeling::IsPeeling(volume))
+  if (peeling)
   {
     vtkTreeAMRRaySegments front;
     vtkTreeAMRRaySegments back;

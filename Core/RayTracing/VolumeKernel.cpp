@@ -50,19 +50,87 @@ public:
     , writer_(scene.kept)
     , table_(&scene.table.entries.data()->r)
     , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
+    , width_(scene.camera.width())
+    , height_(scene.camera.height())
   {
   }
 
   void render(int x0, int y0)
   {
-    walk(makeRays(x0, y0));
+    integrateRays(x0, y0, ~GroupMask(0));
     finish(x0, y0);
   }
 
-  /// With surfaces: up to each ray's first hit, across it, on to the ray's next, for all rays at once.
-  void renderLayers(int x0, int y0, const TranslucentHits& surfaces)
+  /// Groups of one tile alone.
+  void renderGroups(int x0, int y0, std::span<const PixelGroup> wanted, float* rgba)
   {
-    GroupMask active = makeRays(x0, y0);
+    GroupMask mask = 0;
+    for (const PixelGroup& group : wanted)
+    {
+      mask |= GroupMask(1) << groupInTile(group.x - x0, group.y - y0);
+    }
+    integrateRays(x0, y0, mask);
+    for (const PixelGroup& group : wanted)
+    {
+      const int first = groupInTile(group.x - x0, group.y - y0) * groupRays;
+      for (int r = first; r < first + groupRays; ++r, rgba += 4)
+      {
+        store(r, rgba);
+      }
+    }
+  }
+
+  /// The work of a frame without its walk: the tile's rays go through one box of a position in the table, as often
+  /// as asked for.
+  void repeatInCache(int x0, int y0, float position, int repeats)
+  {
+    const GroupMask active = makeRays(x0, y0);
+    record_ = {};
+    const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
+      std::numeric_limits<float>::max(), false };
+    // Around the point of the middle ray at half of its length, wide enough for all.
+    constexpr int ray = tileRays / 2;
+    const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
+    const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
+    Box box;
+    for (int a = 0; a < 3; ++a)
+    {
+      const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
+      box.min[a] = middle - half;
+      box.max[a] = middle + half;
+    }
+    const Lattice lattice(box);
+    for (int repeat = 0; repeat < repeats; ++repeat)
+    {
+      integrate(block, box, lattice, active);
+    }
+    finish(x0, y0);
+  }
+
+  const VolumeStatistics& statistics() const noexcept { return statistics_; }
+
+private:
+  /// Rays of a group are 4 x 4 neighbours, groups 4 x 4 in the tile.
+  static constexpr int xInTile(int ray) { return 4 * (ray >> 4 & 3) + (ray & 3); }
+  static constexpr int yInTile(int ray) { return 4 * (ray >> 6) + (ray >> 2 & 3); }
+  static constexpr int groupInTile(int x, int y) { return x / 4 + y / 4 * 4; }
+
+  void integrateRays(int x0, int y0, GroupMask wanted)
+  {
+    const GroupMask active = makeRays(x0, y0) & wanted;
+    if (scene_.surfaces)
+    {
+      walkLayers(x0, y0, *scene_.surfaces, active);
+    }
+    else
+    {
+      walk(active);
+    }
+  }
+
+  /// With surfaces: up to each ray's first hit, across it, on to the ray's next, for all rays at once.
+  void walkLayers(int x0, int y0, const TranslucentHits& surfaces, GroupMask active)
+  {
     float end[tileRays];
     std::size_t next[tileRays]; // hits to come
     std::size_t last[tileRays]; // and their end
@@ -72,9 +140,9 @@ public:
       next[r] = last[r] = 0;
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
-      if (x < scene_.image.width && y < scene_.image.height)
+      if ((active >> r / groupRays & 1) && x < width_ && y < height_)
       {
-        const std::size_t pixel = static_cast<std::size_t>(y) * scene_.image.width + x;
+        const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
         next[r] = surfaces.image.first[pixel];
         last[r] = surfaces.image.first[pixel + 1];
       }
@@ -115,42 +183,7 @@ public:
         active |= GroupMask(1) << r / groupRays;
       }
     }
-    finish(x0, y0);
   }
-
-  /// The work of a frame without its walk: the tile's rays go through one box of a position in the table, as often
-  /// as asked for.
-  void repeatInCache(int x0, int y0, float position, int repeats)
-  {
-    const GroupMask active = makeRays(x0, y0);
-    record_ = {};
-    const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
-      std::numeric_limits<float>::max(), false };
-    // Around the point of the middle ray at half of its length, wide enough for all.
-    constexpr int ray = tileRays / 2;
-    const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
-    const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
-    Box box;
-    for (int a = 0; a < 3; ++a)
-    {
-      const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
-      box.min[a] = middle - half;
-      box.max[a] = middle + half;
-    }
-    const Lattice lattice(box);
-    for (int repeat = 0; repeat < repeats; ++repeat)
-    {
-      integrate(block, box, lattice, active);
-    }
-    finish(x0, y0);
-  }
-
-  const VolumeStatistics& statistics() const noexcept { return statistics_; }
-
-private:
-  /// Rays of a group are 4 x 4 neighbours, groups 4 x 4 in the tile.
-  static constexpr int xInTile(int ray) { return 4 * (ray >> 4 & 3) + (ray & 3); }
-  static constexpr int yInTile(int ray) { return 4 * (ray >> 6) + (ray >> 2 & 3); }
 
   float toKernel(int axis, double data) const noexcept
   {
@@ -188,7 +221,7 @@ private:
       red_[r] = green_[r] = blue_[r] = opacity_[r] = 0.f;
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
-      if (x >= scene_.image.width || y >= scene_.image.height)
+      if (x >= width_ || y >= height_)
       {
         end_[r] = finished;
         continue;
@@ -199,7 +232,7 @@ private:
         ++statistics_.rays;
         continue;
       }
-      const std::size_t pixel = static_cast<std::size_t>(y) * scene_.image.width + x;
+      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
       const double begin = scene_.interval.begin ? scene_.interval.begin[pixel] : 0.;
       const double end = scene_.interval.end ? scene_.interval.end[pixel] : 1.;
       if (!(begin < end))
@@ -322,15 +355,19 @@ private:
     {
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
-      if (x < scene_.image.width && y < scene_.image.height)
+      if (x < width_ && y < height_)
       {
-        float* rgba = scene_.image.rgba.data() + 4 * (static_cast<std::size_t>(y) * scene_.image.width + x);
-        rgba[0] = red_[r];
-        rgba[1] = green_[r];
-        rgba[2] = blue_[r];
-        rgba[3] = std::min(opacity_[r], 1.f);
+        store(r, scene_.image->rgba.data() + 4 * (static_cast<std::size_t>(y) * width_ + x));
       }
     }
+  }
+
+  void store(int ray, float* rgba) const noexcept
+  {
+    rgba[0] = red_[ray];
+    rgba[1] = green_[ray];
+    rgba[2] = blue_[ray];
+    rgba[3] = std::min(opacity_[ray], 1.f);
   }
 
   /// range: the parent's, and the node's on return when empty nodes are skipped.
@@ -748,6 +785,8 @@ private:
   VertexCache::Writer writer_;
   const float* table_;
   float samplesPerCell_;
+  int width_;
+  int height_;
   BlockValues values_; // computed last
   BlockRecord record_;
   HWY_ALIGN float exact_[128] = {};
@@ -787,14 +826,38 @@ VolumeStatistics RepeatInCache(
 }
 
 template <bool CommonOrigin>
+void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  Tile<CommonOrigin> tile(scene);
+  while (!groups.empty())
+  {
+    const int x = groups.front().x / volumeTileWidth * volumeTileWidth;
+    const int y = groups.front().y / volumeTileWidth * volumeTileWidth;
+    std::size_t inTile = 1;
+    while (inTile < groups.size() && groups[inTile].x / volumeTileWidth * volumeTileWidth == x &&
+      groups[inTile].y / volumeTileWidth * volumeTileWidth == y)
+    {
+      ++inTile;
+    }
+    tile.renderGroups(x, y, groups.first(inTile), rgba);
+    rgba += inTile * PixelGroup::rgbaSize;
+    groups = groups.subspan(inTile);
+  }
+}
+
+void RenderGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  scene.features.commonOrigin ? renderListed<true>(scene, groups, rgba)
+                              : renderListed<false>(scene, groups, rgba);
+}
+
+template <bool CommonOrigin>
 VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
   Tile<CommonOrigin> tile(scene);
   for (int column = columnBegin; column < columnEnd; ++column)
   {
-    const int x = column * volumeTileWidth;
-    const int y = row * volumeTileWidth;
-    scene.surfaces ? tile.renderLayers(x, y, *scene.surfaces) : tile.render(x, y);
+    tile.render(column * volumeTileWidth, row * volumeTileWidth);
   }
   return tile.statistics();
 }
@@ -813,12 +876,18 @@ HWY_AFTER_NAMESPACE();
 namespace treeamr
 {
 
+HWY_EXPORT(RenderGroups);
 HWY_EXPORT(RenderTiles);
 HWY_EXPORT(RepeatInCache);
 
 VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
   return HWY_DYNAMIC_DISPATCH(RenderTiles)(scene, row, columnBegin, columnEnd);
+}
+
+void renderVolumeGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  HWY_DYNAMIC_DISPATCH(RenderGroups)(scene, groups, rgba);
 }
 
 VolumeStatistics repeatVolumeTilesInCache(

@@ -5,6 +5,7 @@
 #include "RayTracing/VolumeRenderer.h"
 
 #include <algorithm>
+#include <span>
 
 namespace treeamr
 {
@@ -50,7 +51,7 @@ struct VolumeKernelScene
   const DepthInterval& interval;
   const VolumeSettings& settings;
   VertexCache& kept;
-  Image& image;
+  Image* image;                    // null: only groups of pixels are rendered
   const TranslucentHits* surfaces; // null: none
 
   SceneFeatures features;
@@ -79,9 +80,12 @@ inline double pointSampleError(
 constexpr double pointSampleTolerance = 0.2;
 
 constexpr int volumeTileWidth = 16;
+static_assert(volumeTileWidth == 4 * PixelGroup::width);
 
 /// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
 VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
+/// See renderPixelGroups().
+void renderVolumeGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba);
 /// See renderWithoutWalk(). position: in the table.
 VolumeStatistics repeatVolumeTilesInCache(
   const VolumeKernelScene& scene, int row, int columns, float position, int repeats);

@@ -4,6 +4,7 @@
 #include "RayTracing/VolumeKernel.h"
 #include "RayTracing/VolumeReference.h"
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -20,14 +21,18 @@ namespace treeamr
 namespace
 {
 
-void check(const Field& field, const Camera& camera, const VolumeSettings& settings, const Image& image,
-  const TranslucentHits* surfaces = nullptr)
+void check(const Camera& camera, const Image& image)
 {
   if (image.width != camera.width() || image.height != camera.height())
   {
     throw Error("volume: an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
       " pixels for a camera of " + std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
   }
+}
+
+void check(const Field& field, const Camera& camera, const VolumeSettings& settings,
+  const TranslucentHits* surfaces = nullptr)
+{
   if (!(settings.samplesPerCell > 0.) || !(settings.samplesPerCell <= VolumeSettings::maxSamplesPerCell))
   {
     throw Error("volume: " + std::to_string(settings.samplesPerCell) +
@@ -38,7 +43,7 @@ void check(const Field& field, const Camera& camera, const VolumeSettings& setti
   {
     throw Error("volume: the field has no node ranges to skip by");
   }
-  const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
+  const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
   if (surfaces && surfaces->image.first.size() != pixels + 1)
   {
     throw Error("volume: surface hits in " + std::to_string(surfaces->image.first.size()) +
@@ -53,6 +58,24 @@ void check(const Field& field, const Camera& camera, const VolumeSettings& setti
 
 /// A transfer function of fewer entries is tabulated anew.
 constexpr std::size_t fewestEntries = 4096;
+void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<const float> rgba)
+{
+  if (rgba.size() != groups.size() * PixelGroup::rgbaSize)
+  {
+    throw Error("volume: " + std::to_string(rgba.size()) + " floats for " + std::to_string(groups.size()) +
+      " groups of pixels, needed are " + std::to_string(PixelGroup::rgbaSize) + " for each");
+  }
+  for (const auto& [x, y] : groups)
+  {
+    if (x < 0 || x >= camera.width() || x % PixelGroup::width != 0 || y < 0 || y >= camera.height() ||
+      y % PixelGroup::width != 0)
+    {
+      throw Error("volume: a group of pixels at " + std::to_string(x) + ", " + std::to_string(y) +
+        ", allowed are multiples of " + std::to_string(PixelGroup::width) + " in an image of " +
+        std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
+    }
+  }
+}
 
 /// Differences of values and their positions in the table must not leave single precision.
 bool fitsKernel(const Field& field, const TransferFunction& transferFunction)
@@ -220,7 +243,7 @@ void fillTable(VolumeKernelScene& scene)
 /// Without its table.
 VolumeKernelScene makeScene(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
-  Image& image, const TranslucentHits* surfaces = nullptr)
+  Image* image, const TranslucentHits* surfaces = nullptr)
 {
   VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, surfaces, {}, {},
     {}, 0., 1., 1., {}, {}, 0., 0. };
@@ -229,15 +252,52 @@ VolumeKernelScene makeScene(const Field& field, const TransferFunction& transfer
   return scene;
 }
 
+/// Calls visit(x, y, rgba of the pixel) for a group's pixels that lie in the image.
+template <class Visit>
+void visitPixels(const PixelGroup& group, const Camera& camera, float* rgba, const Visit& visit)
+{
+  for (int i = 0; i < PixelGroup::width * PixelGroup::width; ++i, rgba += 4)
+  {
+    const int x = group.x + i % PixelGroup::width;
+    const int y = group.y + i / PixelGroup::width;
+    if (x < camera.width() && y < camera.height())
+    {
+      visit(x, y, rgba);
+    }
+  }
+}
+
+/// A whole image in which all other rays have no part.
+void renderGroupsByReference(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings,
+  std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces)
+{
+  Image image(camera.width(), camera.height());
+  std::vector<float> begin(image.rgba.size() / 4, 1.f);
+  const auto visitAll = [&](const auto& visit) {
+    for (std::size_t g = 0; g < groups.size(); ++g)
+    {
+      visitPixels(groups[g], camera, rgba.data() + g * PixelGroup::rgbaSize,
+        [&](int x, int y, float* out) { visit(static_cast<std::size_t>(y) * image.width + x, out); });
+    }
+  };
+  visitAll([&](std::size_t pixel, float*) { begin[pixel] = interval.begin ? interval.begin[pixel] : 0.f; });
+  renderVolumeReference(
+    field, transferFunction, camera, { begin.data(), interval.end }, settings, image, surfaces);
+  std::fill(rgba.begin(), rgba.end(), 0.f);
+  visitAll([&](std::size_t pixel, float* out) { std::copy_n(image.rgba.data() + 4 * pixel, 4, out); });
+}
+
 } // namespace
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image, const TranslucentHits* surfaces)
 {
-  check(field, camera, settings, image, surfaces);
+  check(camera, image);
+  check(field, camera, settings, surfaces);
   VolumeKernelScene scene =
-    makeScene(field, transferFunction, camera, interval, settings, kept, image, surfaces);
+    makeScene(field, transferFunction, camera, interval, settings, kept, &image, surfaces);
   if (!fitsKernel(field, transferFunction) || !resolves(scene))
   {
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image, surfaces);
@@ -271,13 +331,38 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   return renderVolume(field, transferFunction, camera, interval, settings, kept, image, surfaces);
 }
 
+void renderPixelGroups(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
+  std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces)
+{
+  check(field, camera, settings, surfaces);
+  check(camera, groups, rgba);
+  VolumeKernelScene scene =
+    makeScene(field, transferFunction, camera, interval, settings, kept, nullptr, surfaces);
+  if (!fitsKernel(field, transferFunction) || !resolves(scene))
+  {
+    renderGroupsByReference(field, transferFunction, camera, interval, settings, groups, rgba, surfaces);
+    return;
+  }
+  fillTable(scene);
+  if (settings.levelOfDetailPixels > 0.)
+  {
+    kept.prepareMeans();
+  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 4), [&](const auto& part) {
+    renderVolumeGroups(
+      scene, groups.subspan(part.begin(), part.size()), rgba.data() + part.begin() * PixelGroup::rgbaSize);
+  });
+}
+
 VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const VolumeSettings& settings, int repeats, Image& image)
 {
-  check(field, camera, settings, image);
+  check(camera, image);
+  check(field, camera, settings);
   VertexCache none(field.octree(), 0);
   const DepthInterval interval;
-  VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, image);
+  VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, &image);
   fillTable(scene);
   const auto& entries = scene.table.entries;
   std::size_t faintest = 0;

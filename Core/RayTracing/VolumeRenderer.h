@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace treeamr
@@ -85,6 +86,21 @@ struct VolumeStatistics
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image, const TranslucentHits* surfaces = nullptr);
+/// 4 x 4 neighbouring pixels.
+struct PixelGroup
+{
+  static constexpr int width = 4;
+  static constexpr int rgbaSize = 4 * width * width;
+  int x; // of the lower left pixel, a multiple of width
+  int y;
+};
+
+/// The pixels of these groups as renderVolume() gives them, to the bit. rgba: rgbaSize floats for each group, row by
+/// row from the lower left as in Image; pixels beyond the image are 0. Neighbours in the list that are neighbours in
+/// the image, too, cost less. Throws Error as renderVolume(), and for a group outside the image.
+void renderPixelGroups(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
+  std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces = nullptr);
 /// For benchmarks: takes the camera's rays through a block of the transfer function's faintest value `repeats`
 /// times, on this thread, with the tree walk and the memory of vertex values left out: what an interval, a step
 /// and a lit step take at least.

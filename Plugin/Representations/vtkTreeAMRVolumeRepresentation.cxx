@@ -11,7 +11,9 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkTable.h"
 #include "vtkTreeAMRVolumeMapper.h"
+#include "vtkVariant.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
@@ -168,6 +170,36 @@ void vtkTreeAMRVolumeRepresentation::SetShade(bool shade)
 void vtkTreeAMRVolumeRepresentation::SetSamplesPerCell(double samples)
 {
   this->Mapper->SetSamplesPerCell(samples);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetEstimateError(bool estimate)
+{
+  this->Mapper->SetEstimateError(estimate);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetTargetError(double error)
+{
+  this->Mapper->SetTargetError(error);
+}
+
+//------------------------------------------------------------------------------
+double vtkTreeAMRVolumeRepresentation::GetEstimatedError()
+{
+  return this->Mapper->GetStatistics()->GetValueByName(0, "EstimatedError").ToDouble();
+}
+
+//------------------------------------------------------------------------------
+double vtkTreeAMRVolumeRepresentation::GetFrameSeconds()
+{
+  vtkTable* statistics = this->Mapper->GetStatistics();
+  double seconds = 0.;
+  for (const char* part : { "RayCastingSeconds", "ErrorSeconds", "CompositingSeconds" })
+  {
+    seconds += statistics->GetValueByName(0, part).ToDouble();
+  }
+  return seconds;
 }
 
 //------------------------------------------------------------------------------

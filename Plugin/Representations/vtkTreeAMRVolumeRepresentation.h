@@ -46,6 +46,16 @@ public:
   ///@}
   /// Samples along each cell's width.
   void SetSamplesPerCell(double samples);
+  ///@{
+  /// The error of still frames; see vtkTreeAMRVolumeMapper.
+  void SetEstimateError(bool estimate);
+  void SetTargetError(double error);
+  ///@}
+  ///@{
+  /// Of the last frame on this process: its error, -1 when it was not estimated, and the seconds it took.
+  double GetEstimatedError();
+  double GetFrameSeconds();
+  ///@}
   /// Memory in MiB for values kept from frame to frame.
   void SetVertexCacheSize(int size);
   ///@{

@@ -1,4 +1,5 @@
 // The vectorised volume renderer on every instruction set of this machine, against the scalar reference.
+#include "Error.h"
 #include "Octree/OctreeBuilder.h"
 #include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeReference.h"
@@ -283,6 +284,99 @@ TEST(VolumeKernel, RaysWithoutAPartLeaveTheOthersAlone)
     }
     EXPECT_EQ(statistics.rays, rays);
   }
+}
+
+namespace
+{
+
+/// Every third group of an image, those on its upper and right border among them; the same picture to the bit.
+void expectGroupsOf(const Image& image, const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings,
+  const TranslucentHits* surfaces, const char* name)
+{
+  constexpr int w = PixelGroup::width;
+  std::vector<PixelGroup> groups;
+  for (int i = 0, y = 0; y < image.height; y += w)
+  {
+    for (int x = 0; x < image.width; x += w, ++i)
+    {
+      if (i % 3 == 0)
+      {
+        groups.push_back({ x, y });
+      }
+    }
+  }
+  VertexCache none(field.octree(), 0);
+  std::vector<float> rgba(groups.size() * PixelGroup::rgbaSize, -1.f);
+  renderPixelGroups(field, transferFunction, camera, interval, settings, none, groups, rgba, surfaces);
+  int beyond = 0;
+  for (std::size_t i = 0; i < rgba.size(); ++i)
+  {
+    const PixelGroup& group = groups[i / PixelGroup::rgbaSize];
+    const auto inGroup = static_cast<int>(i % PixelGroup::rgbaSize);
+    const int x = group.x + inGroup / 4 % w;
+    const int y = group.y + inGroup / 4 / w;
+    const bool inside = x < image.width && y < image.height;
+    beyond += !inside;
+    ASSERT_EQ(rgba[i], inside ? image.rgba[4 * (static_cast<std::size_t>(y) * image.width + x) + i % 4] : 0.f)
+      << name << ", pixel " << x << ", " << y;
+  }
+  EXPECT_GT(beyond, 0) << name;
+}
+
+} // namespace
+
+TEST(VolumeKernel, GroupsHaveTheBitsOfTheFrame)
+{
+  const RandomTree options{ 12, { 2, 2, 2 }, 5, 0.6, 0., false };
+  const auto field = randomField(options);
+  std::vector<LeafCell> huge = makeRandomTree(options);
+  for (LeafCell& cell : huge)
+  {
+    cell.value *= 3e38f;
+  }
+  const auto hugeField = makeField(unitRoots(options.roots), huge);
+  const TransferFunction ofHuge(-3e38, 3e38, { { 1.f, 0.f, 0.f, 0.f }, { 0.f, 1.f, 0.f, 5.f } });
+  std::vector<float> end(width * height, 1.f);
+  for (std::size_t i = 0; i < end.size(); i += 5)
+  {
+    end[i] = i % 2 == 0 ? 0.f : 0.98f;
+  }
+  for (const View& view : views())
+  {
+    const Camera camera(view.clip, identityMatrix, width, height);
+    const RandomHits hits = makeHits(camera);
+    const TranslucentHits surfaces{ hits.image, hits.rgba };
+    const auto expectGroups = [&](const Field& f, const TransferFunction& tf, const DepthInterval& interval,
+                                const VolumeSettings& settings, const TranslucentHits* withSurfaces) {
+      Image image(width, height);
+      renderVolume(f, tf, camera, interval, settings, image, withSurfaces);
+      expectGroupsOf(image, f, tf, camera, interval, settings, withSurfaces, view.name);
+    };
+    VolumeSettings coarse;
+    coarse.levelOfDetailPixels = 4.;
+    forEachTarget([&](const char*) { expectGroups(*field, smooth(), {}, {}, nullptr); });
+    expectGroups(*field, smooth(), { nullptr, end.data() }, {}, &surfaces);
+    expectGroups(*field, smooth(), {}, coarse, nullptr);
+    expectGroups(*hugeField, ofHuge, { nullptr, end.data() }, {}, &surfaces);
+  }
+}
+
+TEST(VolumeKernel, GroupsOutsideTheImageAreAnError)
+{
+  const auto field = randomField({ 12, { 2, 2, 2 }, 2, 0.6, 0., false });
+  const Camera camera(views().front().clip, identityMatrix, width, height);
+  VertexCache none(field->octree(), 0);
+  const auto render = [&](const PixelGroup& group, std::size_t floats) {
+    std::vector<float> rgba(floats);
+    renderPixelGroups(*field, smooth(), camera, {}, {}, none, { &group, 1 }, rgba);
+  };
+  EXPECT_NO_THROW(render({ 60, 52 }, 64));
+  EXPECT_THROW(render({ 60, 52 }, 63), Error);
+  EXPECT_THROW(render({ 64, 52 }, 64), Error);
+  EXPECT_THROW(render({ 60, 56 }, 64), Error);
+  EXPECT_THROW(render({ -4, 0 }, 64), Error);
+  EXPECT_THROW(render({ 0, 2 }, 64), Error);
 }
 
 TEST(VolumeKernel, KeptValuesNeverChangeABit)

@@ -368,10 +368,10 @@ TEST_F(InteractiveFrameTest, statisticsOfWhatThereIs)
   Scene scene;
   vtkSmartPointer<vtkHyperTreeGrid> grid = makeTestGrid();
   vtkVolume* volume = scene.addVolume(grid, "x", orange, extinction);
-  for (const char* name :
-    { "Cells", "OctreeBytes", "KeptBytes", "Rays", "Nodes", "KeptBlocks", "ReconstructedBlocks",
-      "ReconstructedCells", "Intervals", "Samples", "SurfaceBytes", "SurfaceHits", "ImageSampleDistance",
-      "LevelOfDetail", "FieldSeconds", "TransferFunctionSeconds", "RayCastingSeconds", "CompositingSeconds" })
+  for (const char* name : { "Cells", "OctreeBytes", "KeptBytes", "Rays", "Nodes", "KeptBlocks",
+         "ReconstructedBlocks", "ReconstructedCells", "Intervals", "Samples", "SurfaceBytes", "SurfaceHits",
+         "ImageSampleDistance", "LevelOfDetail", "SamplesPerCell", "FieldSeconds", "TransferFunctionSeconds",
+         "RayCastingSeconds", "ErrorSeconds", "CompositingSeconds" })
   {
     EXPECT_EQ(Scene::statistic(volume, name), 0.) << name;
   }

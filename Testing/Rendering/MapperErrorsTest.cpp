@@ -243,6 +243,7 @@ TEST_F(MapperErrorsTest, settingsThatAreNoNumbers)
          std::pair<const char*, Setter>(
            "the interactive render time", &vtkTreeAMRVolumeMapper::SetInteractiveRenderTime),
          std::pair<const char*, Setter>("the level of detail", &vtkTreeAMRVolumeMapper::SetLevelOfDetail),
+         std::pair<const char*, Setter>("the target error", &vtkTreeAMRVolumeMapper::SetTargetError),
          std::pair<const char*, Setter>(
            "the isosurface opacity scale", &vtkTreeAMRVolumeMapper::SetIsosurfaceOpacityScale) })
   {

@@ -1,11 +1,12 @@
 // Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are
 // those of the whole process on all threads.
 //
-// treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface]
+// treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface|estimate]
 //
 // Prints tables and writes them to FILE: one list for each part, one row for each setting, and lists of the
 // orders at which errors of field and isosurface fall. --brief is for continuous integration: the first data
 // set alone, in a small picture, with few settings. Field and isosurface need no forests.
+#include "EstimateError.h"
 #include "FieldError.h"
 #include "IsosurfaceError.h"
 #include "Options.h"
@@ -49,7 +50,8 @@ std::optional<Arguments> parse(int argc, char* argv[])
     else if (name == "--part" && i + 1 < argc)
     {
       arguments.part = argv[++i];
-      if (arguments.part != "volume" && arguments.part != "field" && arguments.part != "isosurface")
+      if (arguments.part != "volume" && arguments.part != "field" && arguments.part != "isosurface" &&
+        arguments.part != "estimate")
       {
         return std::nullopt;
       }
@@ -77,6 +79,7 @@ void run(const Arguments& arguments)
   bench::Report fieldOrders("field_orders");
   bench::Report isosurface("isosurface");
   bench::Report isosurfaceOrders("isosurface_orders");
+  bench::Report estimate("estimate");
   const auto wanted = [&](std::string_view part) { return arguments.part.empty() || arguments.part == part; };
   if (wanted("volume"))
   {
@@ -90,7 +93,12 @@ void run(const Arguments& arguments)
   {
     measureIsosurfaceError(arguments.options, isosurface, isosurfaceOrders);
   }
-  bench::writeJson(arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders });
+  if (wanted("estimate"))
+  {
+    measureErrorEstimate(arguments.options, estimate);
+  }
+  bench::writeJson(
+    arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders, &estimate });
 }
 
 } // namespace
@@ -102,8 +110,8 @@ int main(int argc, char* argv[])
   const auto arguments = treeamr::report::parse(argc, argv);
   if (!arguments)
   {
-    std::fprintf(
-      stderr, "usage: treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface]\n");
+    std::fprintf(stderr,
+      "usage: treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface|estimate]\n");
     return 2;
   }
   try

@@ -1,0 +1,312 @@
+// The estimate of a frame's error against the true one, from the scalar reference with many samples.
+#include "RayTracing/ErrorEstimate.h"
+
+#include "RayTracing/VertexCache.h"
+#include "RayTracing/VolumeReference.h"
+#include "Support/Cameras.h"
+#include "Support/Fields.h"
+#include "Support/RandomTrees.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+constexpr int width = 134;
+constexpr int height = 118;
+constexpr double convergedSamples = 48.;
+
+/// Waves over 2 x 2 x 2, on cells of several levels.
+std::shared_ptr<const Field> makeWaves(unsigned seed)
+{
+  auto cells = makeRandomTree({ seed, { 2, 2, 2 }, 5, 0.6, 0.05, false });
+  setValues(
+    cells, [](const auto& p) { return std::sin(5. * p[0] + p[1]) * std::cos(4. * p[2]) + 0.3 * p[1]; });
+  return makeField(unitRoots({ 2, 2, 2 }), cells);
+}
+
+template <class Extinction>
+TransferFunction tabulate(const Extinction& extinction)
+{
+  constexpr int size = 4096;
+  std::vector<TransferFunction::Entry> entries;
+  for (int i = 0; i < size; ++i)
+  {
+    const float u = static_cast<float>(i) / (size - 1);
+    entries.push_back({ u, 1.f - u, 0.5f + 0.5f * std::sin(20.f * u), static_cast<float>(extinction(u)) });
+  }
+  return TransferFunction(-1., 1.6, entries);
+}
+
+std::vector<TransferFunction> transferFunctions()
+{
+  return { // A soft haze.
+    tabulate([](double u) { return 3. * u; }),
+    // Solids.
+    tabulate([](double u) { return 60. * std::pow(std::max(0., u - 0.4), 2); }),
+    tabulate([](double u) { return u > 0.6 ? 40. : 0.; }),
+    // Spikes, that are integrated.
+    tabulate([](double u) { return 300. * std::exp(-std::pow((u - 0.55) / 0.004, 2)); }),
+    tabulate([](double u) { return std::pow(std::sin(40. * u), 2) > 0.99 ? 100. : 0.; })
+  };
+}
+
+Camera randomCamera(std::mt19937& random)
+{
+  std::uniform_real_distribution<double> uniform(0., 1.);
+  const double z = 2. * uniform(random) - 1.;
+  const double angle = 6.28 * uniform(random);
+  const double distance = 1.3 + 3.5 * uniform(random);
+  const double r = distance * std::sqrt(1. - z * z);
+  const Matrix4 view =
+    lookAt({ 1. + r * std::cos(angle), 1. + distance * z, 1. + r * std::sin(angle) }, { 1., 0.9, 1.1 });
+  const Matrix4 projection = uniform(random) < 0.7 ? perspective(30. + 40. * uniform(random), 0.01, 20.)
+                                                   : parallel(0.6 + 1.5 * uniform(random), 0.01, 20.);
+  return Camera(multiply(projection, view), identityMatrix, width, height);
+}
+
+/// A frame and what it is rendered from.
+struct Frame
+{
+  const Field& field;
+  const TransferFunction& transferFunction;
+  Camera camera;
+  VolumeSettings settings;
+  DepthInterval interval{};
+  const TranslucentHits* surfaces = nullptr;
+  VertexCache kept{ field.octree(), VolumeSettings::defaultKeptBytes };
+
+  Image render()
+  {
+    Image image(width, height);
+    renderVolume(field, transferFunction, camera, interval, settings, kept, image, surfaces);
+    return image;
+  }
+  ErrorEstimator estimator(const Image& image)
+  {
+    return { field, transferFunction, camera, interval, settings, kept, image, surfaces };
+  }
+  Image converged() const
+  {
+    Image image(width, height);
+    VolumeSettings fine = settings;
+    fine.samplesPerCell = convergedSamples;
+    renderVolumeReference(field, transferFunction, camera, interval, fine, image, surfaces);
+    return image;
+  }
+};
+
+double rmse(const Image& a, const Image& b)
+{
+  double sum = 0.;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i)
+  {
+    sum += i % 4 < 3 ? std::pow(static_cast<double>(a.rgba[i]) - b.rgba[i], 2) : 0.;
+  }
+  return std::sqrt(sum / (0.75 * static_cast<double>(a.rgba.size())));
+}
+
+/// How many of a set of frames have an estimate within a factor of two of the truth.
+struct Score
+{
+  int good = 0;
+  int all = 0;
+  double worst = 1.;
+
+  void add(double estimate, double truth)
+  {
+    const double ratio = std::max(estimate / truth, truth / estimate);
+    good += ratio <= 2.;
+    ++all;
+    worst = std::max(worst, ratio);
+  }
+  void expectMostAreGood(const char* what) const
+  {
+    EXPECT_GE(good, 0.95 * all) << what << ", worst " << worst;
+  }
+};
+
+} // namespace
+
+TEST(ErrorEstimate, IsWithinAFactorOfTwo)
+{
+  const auto field = makeWaves(12);
+  std::mt19937 random(3);
+  Score score;
+  for (const TransferFunction& transferFunction : transferFunctions())
+  {
+    for (int i = 0; i < 6; ++i)
+    {
+      Frame frame{ *field, transferFunction, randomCamera(random), {} };
+      const Image converged = frame.converged();
+      for (const double samples : { 1., 2., 4. })
+      {
+        frame.settings.samplesPerCell = samples;
+        const Image image = frame.render();
+        score.add(frame.estimator(image).error(), rmse(image, converged));
+      }
+    }
+  }
+  EXPECT_EQ(score.all, 90);
+  score.expectMostAreGood("estimate");
+}
+
+TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
+{
+  const auto field = makeWaves(5);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(0.f, 1.f);
+  Score score;
+  for (const TransferFunction& transferFunction : transferFunctions())
+  {
+    for (int i = 0; i < 3; ++i)
+    {
+      const Camera camera = randomCamera(random);
+      // Polygons in front of the left half, nothing to see in the upper part, a surface across the middle of every
+      // ray.
+      std::vector<float> begin(width * height, 0.f);
+      std::vector<float> end(width * height, 1.f);
+      HitImage hits;
+      std::vector<std::array<float, 4>> rgba;
+      hits.first.push_back(0);
+      for (std::size_t pixel = 0; pixel < begin.size(); ++pixel)
+      {
+        const auto x = static_cast<int>(pixel) % width;
+        const auto y = static_cast<int>(pixel) / width;
+        const Ray ray = camera.ray(x, y);
+        const double middle = dot(Vec3{ 1., 1., 1. } - ray.origin, ray.direction);
+        if (x < width / 2)
+        {
+          end[pixel] = static_cast<float>(std::clamp(camera.depthFromT(ray, middle + 0.3), 0., 1.));
+        }
+        begin[pixel] = y > 3 * height / 4 ? 1.f : 0.f;
+        hits.hits.push_back({ middle, {}, 0, 0, 0 });
+        rgba.push_back({ uniform(random), 0.5f, 0.2f, 0.3f });
+        hits.first.push_back(hits.hits.size());
+      }
+      const TranslucentHits surfaces{ hits, rgba };
+      Frame frame{ *field, transferFunction, camera, {}, { begin.data(), end.data() }, &surfaces };
+      const Image image = frame.render();
+      score.add(frame.estimator(image).error(), rmse(image, frame.converged()));
+    }
+  }
+  EXPECT_EQ(score.all, 15);
+  score.expectMostAreGood("estimate");
+}
+
+TEST(ErrorEstimate, IsTheSameOnAnyNumberOfThreads)
+{
+  const auto field = makeWaves(12);
+  const TransferFunction solid = transferFunctions()[1];
+  std::mt19937 random(3);
+  Frame frame{ *field, solid, randomCamera(random), {} };
+  const Image image = frame.render();
+  const double all = frame.estimator(image).error();
+  EXPECT_GT(all, 0.);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(frame.estimator(image).error(), all);
+}
+
+TEST(ErrorEstimate, IsZeroWhereNothingIsDrawn)
+{
+  const auto field = makeWaves(12);
+  const TransferFunction nothing = tabulate([](double) { return 0.; });
+  std::mt19937 random(3);
+  Frame frame{ *field, nothing, randomCamera(random), {} };
+  auto estimator = frame.estimator(frame.render());
+  EXPECT_EQ(estimator.error(), 0.);
+  EXPECT_EQ(estimator.findSamplesPerCell(1e-3, 0.25, 64.), 0.25);
+  EXPECT_EQ(frame.kept.byteSize(), VertexCache(field->octree(), VolumeSettings::defaultKeptBytes).byteSize());
+}
+
+TEST(ErrorEstimate, OnePixelIsEstimated)
+{
+  const auto field = makeWaves(12);
+  const TransferFunction haze = transferFunctions()[0];
+  const Camera camera(
+    multiply(perspective(5., 0.1, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 1, 1);
+  VertexCache kept(field->octree(), 0);
+  Image image(1, 1);
+  const DepthInterval interval;
+  VolumeSettings settings;
+  renderVolume(*field, haze, camera, interval, settings, kept, image);
+  Image finer(1, 1);
+  VolumeSettings more;
+  more.samplesPerCell = 8.;
+  renderVolume(*field, haze, camera, interval, more, kept, finer);
+  const ErrorEstimator estimator(*field, haze, camera, interval, settings, kept, image);
+  EXPECT_GT(estimator.error(), 0.);
+  EXPECT_NEAR(estimator.error(), rmse(image, finer), 1e-12);
+}
+
+TEST(ErrorEstimate, FindsTheSamplesForAnError)
+{
+  const auto field = makeWaves(12);
+  const TransferFunction solid = transferFunctions()[1];
+  std::mt19937 random(8);
+  for (int i = 0; i < 4; ++i)
+  {
+    Frame frame{ *field, solid, randomCamera(random), {} };
+    const Image converged = frame.converged();
+    const Image image = frame.render();
+    const double truth = rmse(image, converged);
+    // More samples, and fewer.
+    for (const double factor : { 0.1, 0.5, 3. })
+    {
+      const double target = factor * truth;
+      const double samples = frame.estimator(image).findSamplesPerCell(target, 0.25, 64.);
+      EXPECT_EQ(samples > frame.settings.samplesPerCell, factor < 1.) << factor;
+      // As good as the estimate is; half of the samples would not do.
+      const auto errorWith = [&](double samplesPerCell) {
+        Frame other{ *field, solid, frame.camera, { .samplesPerCell = samplesPerCell } };
+        return rmse(other.render(), converged);
+      };
+      EXPECT_LT(errorWith(samples), 2. * target) << factor;
+      EXPECT_GT(errorWith(0.5 * samples), 0.5 * target) << factor;
+    }
+    EXPECT_EQ(frame.estimator(image).findSamplesPerCell(0., 0.25, 16.), 16.);
+    EXPECT_EQ(frame.estimator(image).findSamplesPerCell(1., 0.25, 16.), 0.25);
+  }
+}
+
+TEST(ErrorEstimate, FramesComeToTheirTarget)
+{
+  const auto field = makeWaves(12);
+  const TransferFunction solid = transferFunctions()[1];
+  std::mt19937 random(8);
+  const Camera camera = randomCamera(random);
+  Frame frame{ *field, solid, camera, { .samplesPerCell = 1. } };
+  const double target = 0.2 * frame.estimator(frame.render()).error();
+  ErrorTarget control(1.);
+  EXPECT_EQ(control.samplesPerCell(), 1.);
+  int frames = 1;
+  for (bool again = true; again; ++frames)
+  {
+    ASSERT_LE(frames, 3);
+    frame.settings.samplesPerCell = control.samplesPerCell();
+    const Image image = frame.render();
+    auto estimator = frame.estimator(image);
+    again = control.update(estimator, target);
+    EXPECT_EQ(again, estimator.error() > target);
+  }
+  EXPECT_GT(frames, 2);
+  EXPECT_GT(control.samplesPerCell(), 1.);
+  // A frame far better than its target stays, the next one takes less.
+  auto estimator = frame.estimator(frame.render());
+  EXPECT_FALSE(control.update(estimator, 20. * target));
+  EXPECT_LT(control.samplesPerCell(), 0.5 * frame.settings.samplesPerCell);
+  // What cannot be met is not tried again and again.
+  frame.settings.samplesPerCell = ErrorTarget::most;
+  ErrorTarget most(1e9);
+  EXPECT_EQ(most.samplesPerCell(), ErrorTarget::most);
+  auto best = frame.estimator(frame.render());
+  EXPECT_FALSE(most.update(best, 1e-30));
+}
