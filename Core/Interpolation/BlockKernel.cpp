@@ -140,11 +140,13 @@ void Quantise(const float* values, Range hull, float last, std::uint16_t* steps)
   const hn::RebindToSigned<FloatTag> di;
   const hn::Rebind<std::uint16_t, FloatTag> to;
   const float width = hull.max - hull.min;
-  const Floats scale =
-    hn::Set(d, width > 0.f ? std::min(last / width, std::numeric_limits<float>::max()) : 0.f);
+  // In two factors, of which only a denormal hull's has no number; infinity would make NaN of a difference of zero.
+  const Floats perWidth =
+    hn::Set(d, width > 0.f ? std::min(1.f / width, std::numeric_limits<float>::max()) : 0.f);
   const Floats min = hn::Set(d, hull.min);
   forEachVector<floats>([&](int i) {
-    const Floats step = hn::Add(hn::Mul(hn::Sub(hn::LoadU(d, values + i), min), scale), hn::Set(d, 0.5f));
+    const Floats part = hn::Mul(hn::Sub(hn::LoadU(d, values + i), min), perWidth);
+    const Floats step = hn::Add(hn::Mul(part, hn::Set(d, last)), hn::Set(d, 0.5f));
     hn::StoreU(hn::DemoteTo(to, hn::ConvertTo(di, hn::Min(step, hn::Set(d, last)))), to, steps + i);
   });
 }

@@ -58,8 +58,9 @@ TransferFunction::Entry TransferFunction::atPosition(double p) const noexcept
   const auto f = static_cast<float>(p - static_cast<double>(i));
   const Entry& a = entries_[i];
   const Entry& b = entries_[i + 1];
-  return { a.r + f * (b.r - a.r), a.g + f * (b.g - a.g), a.b + f * (b.b - a.b),
-    a.extinction + f * (b.extinction - a.extinction) };
+  // Exact at both ends, however opaque one is.
+  return { std::lerp(a.r, b.r, f), std::lerp(a.g, b.g, f), std::lerp(a.b, b.b, f),
+    std::lerp(a.extinction, b.extinction, f) };
 }
 
 } // namespace treeamr

@@ -1,5 +1,5 @@
 // The volume renderer in plain double precision, one ray and sample after the other: what the kernels are
-// tested against, and what renders fields whose values reach beyond single precision's comfort.
+// tested against, and what renders fields, domains and zooms beyond single precision's comfort.
 #pragma once
 
 #include "RayTracing/VolumeRenderer.h"

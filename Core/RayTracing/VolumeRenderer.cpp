@@ -56,8 +56,6 @@ void check(const Field& field, const Camera& camera, const VolumeSettings& setti
   }
 }
 
-/// A transfer function of fewer entries is tabulated anew.
-constexpr std::size_t fewestEntries = 4096;
 void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<const float> rgba)
 {
   if (rgba.size() != groups.size() * PixelGroup::rgbaSize)
@@ -77,40 +75,45 @@ void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<c
   }
 }
 
+/// Entries of the kernel's table for one of the transfer function: a table of few is tabulated anew.
+std::size_t entriesPerEntry(const TransferFunction& transferFunction)
+{
+  constexpr std::size_t fewest = 4096;
+  return (fewest - 2) / (transferFunction.entries().size() - 1) + 1;
+}
+
 /// Differences of values and their positions in the table must not leave single precision.
 bool fitsKernel(const Field& field, const TransferFunction& transferFunction)
 {
   constexpr double large = std::numeric_limits<float>::max() / 4.;
-  // Of narrower hulls a block cannot count the steps: they must not matter to the table either.
-  constexpr double narrow = BlockRecord::steps / std::numeric_limits<float>::max();
-  constexpr double steep = 0.01 / (narrow * fewestEntries);
   const Range range = field.range();
   const double width = static_cast<double>(range.max) - range.min;
   const double low = std::abs(transferFunction.min());
-  const double scale = transferFunction.scale();
+  const double scale = transferFunction.scale() * static_cast<double>(entriesPerEntry(transferFunction));
+  // A block cannot count steps of a denormal hull: it must be a small part of an entry.
+  constexpr double steep = 0.1 / std::numeric_limits<float>::min();
   return width < large && low < large && scale < steep && (scale == 0. || scale > 1. / large);
 }
 
 /// Whether single precision tells neighbouring rays from each other, and the two sides of the domain: not so in far
-/// zooms that move the picture, but not the eye, and in domains as thin as a sheet.
+/// zooms that move the picture but not the eye, nor in domains as thin as a sheet.
 bool resolves(const VolumeKernelScene& scene)
 {
   const Bounds domain = scene.field.octree().grid().bounds();
-  double reach =
-    0.; // of the domain's middle from the reference, squared; all of it is one diagonal further at most
+  double squared = 0.; // of the way from the reference to the domain's middle
   double thickness = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a)
   {
-    reach += std::pow(0.5 * (domain.min[a] + domain.max[a]) - scene.reference[a], 2);
+    squared += std::pow(0.5 * (domain.min[a] + domain.max[a]) - scene.reference[a], 2);
     thickness = std::min(thickness, domain.max[a] - domain.min[a]);
   }
-  const double rounding = 0x1p-24 * (1. + scene.dataScale * std::sqrt(reach));
-  // Of rays from one point both grow with the way from it.
-  const double pixel =
-    scene.features.commonOrigin ? scene.pixelGrowth / 0x1p-24 : scene.pixelWidth / rounding;
-  constexpr double pixelParts = 16.;
+  constexpr double rounding = 0x1p-24;
+  const double farthest = scene.dataScale * std::sqrt(squared) + 1.; // the diagonal is 1
+  // Of rays from one point pixels and roundings grow alike on the way.
+  const double pixel = scene.features.commonOrigin ? scene.pixelGrowth : scene.pixelWidth / farthest;
+  constexpr double parts = 16.;
   constexpr double thicknessParts = 256.;
-  return pixel > pixelParts && scene.dataScale * thickness > thicknessParts * rounding;
+  return pixel > parts * rounding && scene.dataScale * thickness > thicknessParts * rounding * farthest;
 }
 
 /// Where the kernel counts from, and in which units.
@@ -184,7 +187,7 @@ double leafWidth(const VolumeKernelScene& scene, int level)
 void fillTable(VolumeKernelScene& scene)
 {
   const std::vector<TransferFunction::Entry>& entries = scene.transferFunction.entries();
-  const std::size_t perEntry = (fewestEntries - 2) / (entries.size() - 1) + 1;
+  const std::size_t perEntry = entriesPerEntry(scene.transferFunction);
   const std::size_t size = (entries.size() - 1) * perEntry + 1;
   // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
   const double opaque = 1e6 / leafWidth(scene, scene.field.octree().leafLevels());

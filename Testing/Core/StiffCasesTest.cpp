@@ -275,6 +275,24 @@ TEST(StiffCases, TwoEntriesAreALine)
   expectAtMost(largest, 5e-4, "of a channel");
 }
 
+TEST(StiffCases, AnOpaqueEntryLeavesTheLastItsOwn)
+{
+  // At the end of an interval nothing is left of its beginning.
+  std::vector<LeafCell> cells{ { {}, 1.f } };
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
+  double largest = 0.;
+  for (const std::size_t size : { 3, 100, 4096, 5000 })
+  {
+    std::vector<Entry> entries(size, { 0.5f, 0.25f, 1.f, 0.75f });
+    entries[size - 2].extinction = static_cast<float>(TransferFunction::opaqueExtinction);
+    const Camera camera(multiply(parallel(0.4, 0.1, 9.), lookAt({ 0.5, 0.5, 5. }, { 0.5, 0.5, 0.5 })),
+      identityMatrix, width, height);
+    largest = std::max(largest,
+      relativeError(*field, TransferFunction(0., 1., entries), camera, [](const Ray&) { return 0.75; }));
+  }
+  expectAtMost(largest, 4e-6, "of the opacity");
+}
+
 TEST(StiffCases, AnIntervalOfNoWidthHasTheFirstColour)
 {
   // Two entries at one value.
