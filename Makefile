@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build setup demo check check-sanitizers bench bench-vs install clean
+.PHONY: build setup demo check check-sanitizers check-threads bench bench-vs install clean
 
 build: setup
 	cmake --preset release
@@ -45,6 +45,12 @@ check-sanitizers: setup
 	cmake --preset asan
 	cmake --build --preset asan
 	ctest --preset asan
+
+# Takes the time of all other checks together.
+check-threads: setup
+	cmake --preset tsan
+	cmake --build --preset tsan
+	ctest --preset tsan
 
 # Forests and converged pictures are made once: `make clean` takes them away.
 BENCH = $(BUILD)/bench
