@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build setup demo check check-sanitizers bench bench-vs report report-brief install clean
+.PHONY: build setup demo check check-sanitizers check-threads bench bench-vs report report-brief install clean
 
 build: setup
 	cmake --preset release
@@ -46,6 +46,12 @@ check-sanitizers: setup
 	cmake --build --preset asan
 	ctest --preset asan
 
+# Takes the time of all other checks together.
+check-threads: setup
+	cmake --preset tsan
+	cmake --build --preset tsan
+	ctest --preset tsan
+
 # Forests and converged pictures are made once: `make clean` takes them away.
 BENCH = $(BUILD)/bench
 FORESTS = mandelbulb-0.3M mandelbulb-2.6M mandelbulb-20M sheet-23M
@@ -71,7 +77,7 @@ bench-vs: bench $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 
 # Error against run time, stiff and extreme cases, ParaView's routes: all measured afresh, under an hour on two cores.
 REPORT = $(BUILD)/report
-CASES = StiffCasesTest ExtremeCasesTest ExtremeWindowsTest
+CASES = StiffCasesTest ExtremeCasesTest ExtremeViewsTest ExtremeWindowsTest FaultsTest AllocationFailureTest
 PYTHON = /usr/bin/python3 # which has Debian's packages
 # Failed cases are rows of the report, not its end.
 MEASURE_CASES = $(foreach test,$(CASES),$(XVFB) $(BUILD)/bin/$(test) --gtest_output=json:$(REPORT)/tests/$(test).json \
@@ -82,6 +88,8 @@ report: build $(FORESTS:%=$(BENCH)/%.p8est) $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	$(BUILD)/bin/treeamr-report $(BENCH) --json $(REPORT)/measured.json
 	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH) --timeout 150 --json $(REPORT)/peers.json
 	$(MEASURE_CASES)
+	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Plugin/TestSoak.py \
+	  $(BENCH)/mandelbulb-0.3M.p8est 1000 > $(REPORT)/soak.log && tail -1 $(REPORT)/soak.log > $(REPORT)/soak.json
 	$(PYTHON) Testing/Report/report.py $(REPORT)
 
 # A few minutes of it, without a figure that depends on time: fails where one is missing or out of its bounds.
