@@ -202,6 +202,7 @@ struct Isosurface::Impl
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     const SurfaceRecord& record = self.blocks.record(args->primID);
+    record.prefetch();
     const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
     forEachQuery(args, args->ray, [&](Query& query, unsigned i) {
       if (self.nearestInBlock(args->primID, record, planes, query))
