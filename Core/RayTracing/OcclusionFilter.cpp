@@ -110,8 +110,8 @@ public:
 private:
   struct Sum
   {
-    double weights = window[0] * window[0];
-    double change = 0.;
+    double weights;
+    double change;
   };
 
   void copy()
@@ -162,21 +162,27 @@ private:
   void sum(int x, int y)
   {
     const auto [begin, end] = placesOf(x, y);
-    sums_.assign(end - begin, {});
+    // The window stays inside the image, or its edge would have half a pattern.
+    const int middleX = std::clamp(x, reach, std::max(camera_.width() - 1 - reach, reach));
+    const int middleY = std::clamp(y, reach, std::max(camera_.height() - 1 - reach, reach));
+    const auto weightOf = [&](int xx, int yy) {
+      return window[std::abs(xx - middleX)] * window[std::abs(yy - middleY)];
+    };
+    sums_.assign(end - begin, { weightOf(x, y), 0. });
     if (sums_.empty())
     {
       return;
     }
-    for (int yy = std::max(y - reach, y0_); yy <= std::min(y + reach, y1_ - 1); ++yy)
+    for (int yy = std::max(middleY - reach, y0_); yy <= std::min(middleY + reach, y1_ - 1); ++yy)
     {
-      for (int xx = std::max(x - reach, x0_); xx <= std::min(x + reach, x1_ - 1); ++xx)
+      for (int xx = std::max(middleX - reach, x0_); xx <= std::min(middleX + reach, x1_ - 1); ++xx)
       {
         auto [other, otherEnd] = placesOf(xx, yy);
         if (other == otherEnd || (xx == x && yy == y))
         {
           continue;
         }
-        const double near = window[std::abs(xx - x)] * window[std::abs(yy - y)];
+        const double near = weightOf(xx, yy);
         for (std::uint32_t own = begin; own < end; ++own)
         {
           const Place& place = places_[own];

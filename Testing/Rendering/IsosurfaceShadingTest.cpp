@@ -478,6 +478,12 @@ TEST_F(IsosurfaceVisibilityTest, ambientOcclusionBetweenPlanes)
   const double reach = 1.25 * gap;
   mapper_->SetAmbientOcclusionRadius(reach / diagonal);
   EXPECT_NEAR(meanOf(scene_.render()), 0.4, eightBits);
+  mapper_->SetAmbientOcclusionSamples(16);
+  for (const auto& pixel : scene_.render())
+  {
+    // One ray of 16 is six steps of the picture's 256; pixels share theirs.
+    EXPECT_NEAR(pixel[0], 0.4 * (gap / reach) * (gap / reach), 2. * eightBits);
+  }
   mapper_->SetAmbientOcclusionSamples(64);
   EXPECT_NEAR(meanOf(scene_.render()), 0.4 * (gap / reach) * (gap / reach), eightBits);
   actor_->SetScale(0.5, 0.5, -0.5); // the radius shrinks, too
@@ -497,6 +503,7 @@ TEST_F(IsosurfaceVisibilityTest, ambientOcclusionBetweenPlanes)
 TEST_F(IsosurfaceVisibilityTest, ambientOcclusionGathersInInteractiveFrames)
 {
   constexpr int frames = 6;
+  scene_.useFloatTarget(); // eight bits could not tell some numbers of rays apart
   mapper_->SetAmbientOcclusionRadius(1.25 * gap / diagonal);
   mapper_->SetAmbientOcclusionSamples(frames * vtkTreeAMRIsosurfaceMapper::InteractiveSamples);
   const auto still = scene_.render();
