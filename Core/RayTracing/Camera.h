@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 namespace treeamr
 {
@@ -66,5 +67,69 @@ private:
   Vec3 eye_{};
   double forward_ = 1.; // sign that turns ray directions away from the eye
 };
+
+inline Ray Camera::ray(int px, int py) const noexcept
+{
+  const double x = 2. * (px + 0.5) / width_ - 1.;
+  const double y = 2. * (py + 0.5) / height_ - 1.;
+  const Matrix4& m = dataFromClip_;
+  Ray ray;
+  if (perspective_)
+  {
+    // The direction is the pixel's point at infinity; a difference of two unprojected points would lose
+    // digits far from the coordinate origin.
+    ray.origin = eye_;
+    const double w = m[12] * x + m[13] * y + m[15];
+    for (int a = 0; a < 3; ++a)
+    {
+      ray.direction[a] = forward_ * (m[4 * a] * x + m[4 * a + 1] * y + m[4 * a + 3] - eye_[a] * w);
+    }
+  }
+  else
+  {
+    ray.origin = unproject(x, y, -1.);
+    for (int a = 0; a < 3; ++a)
+    {
+      ray.direction[a] = m[4 * a + 2] / m[15];
+    }
+  }
+  const double scale = 1. / worldLength(ray.direction);
+  for (double& d : ray.direction)
+  {
+    d *= scale;
+  }
+  return ray;
+}
+
+inline double Camera::tFromDepth(const Ray& ray, double depth) const noexcept
+{
+  // Points of one depth form the plane (row z - NDC z * row w) . p = 0.
+  const Matrix4& m = clipFromData_;
+  const double z = 2. * depth - 1.;
+  double atOrigin = m[11] - z * m[15];
+  double along = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double normal = m[8 + a] - z * m[12 + a];
+    atOrigin += normal * ray.origin[a];
+    along += normal * ray.direction[a];
+  }
+  return -atOrigin / along;
+}
+
+inline double Camera::worldLength(const Vec3& direction) const noexcept
+{
+  double squared = 0.;
+  for (int r = 0; r < 3; ++r)
+  {
+    double d = 0.;
+    for (int c = 0; c < 3; ++c)
+    {
+      d += worldFromData_[4 * r + c] * direction[c];
+    }
+    squared += d * d;
+  }
+  return std::sqrt(squared);
+}
 
 } // namespace treeamr
