@@ -26,13 +26,13 @@ constexpr std::array<double, reach + 1> window{ 1., 1., 0.5 };
 /// have the least error on the benchmark's Mandelbulb with 4, 16 and 64 rays.
 struct Tolerance
 {
-  /// Distance from a tangent plane by that across the view; of the angle between normals about twice that.
-  double sineSquared;
+  /// Of the distance from a tangent plane to that across the view; 1 less the cosine of two normals may be as much.
+  double slopeSquared;
   /// Of the part of open rays: three standard deviations of rays as even as these.
   float change;
 
   explicit Tolerance(int samples) noexcept
-    : sineSquared(std::min(0.5, 3.2 / samples))
+    : slopeSquared(std::min(0.5, 3.2 / samples))
     , change(static_cast<float>(2. * std::pow(samples, -0.75)))
   {
   }
@@ -53,18 +53,18 @@ struct Place
 /// 1 for places of one plane, less the more they differ; 0: they have nothing to do with each other, also for NaN.
 /// The distance from the tangent planes counts against that across the view, which a step in depth leaves small.
 /// Without branches: on a rough surface nobody could predict them.
-double similarity(const Place& a, const Place& b, double sineSquared) noexcept
+double similarity(const Place& a, const Place& b, double slopeSquared) noexcept
 {
   const Vec3 way{ b.point[0] - a.point[0], b.point[1] - a.point[1], b.point[2] - a.point[2] };
   const double ofA = dot(a.normal, way);
   const double ofB = dot(b.normal, way);
   const double inDepth = dot(a.away, way);
-  const double allowed = sineSquared * (dot(way, way) - inDepth * inDepth);
+  const double allowed = slopeSquared * (dot(way, way) - inDepth * inDepth);
   const double inPlane = allowed - std::max(ofA * ofA, ofB * ofB);
-  const double aligned = sineSquared - (1. - dot(a.normal, b.normal));
+  const double aligned = slopeSquared - (1. - dot(a.normal, b.normal));
   const double same = a.surface == b.surface ? 1. : 0.;
   // Of NaN remains the first argument of std::max.
-  return same * std::max(0., std::max(0., inPlane) * aligned / (sineSquared * allowed));
+  return same * std::max(0., std::max(0., inPlane) * aligned / (slopeSquared * allowed));
 }
 
 /// Averages the hits of tiles, each from a copy of them and of those of the pixels around it.
@@ -191,7 +191,7 @@ private:
           {
             ++other;
           }
-          const double weight = near * similarity(place, places_[other], tolerance_.sineSquared);
+          const double weight = near * similarity(place, places_[other], tolerance_.slopeSquared);
           sums_[own - begin].weights += weight;
           sums_[own - begin].change += weight * (places_[other].open - place.open);
         }

@@ -12,10 +12,11 @@
 namespace treeamr
 {
 
-/// The part of open rays at each hit, in [0, 1], from its own and those of hits in the 5 x 5 pixels around it that lie
-/// on the same surface, nearly in its tangent plane and with nearly its normal; of each pixel only the hit whose
-/// distance from the camera is nearest to the own. A hit without such neighbours, and one without a finite place or normal, keeps its own
-/// part. With more rays the neighbours must be more alike and change less: the result converges to the own part.
+/// The part of open rays at each hit, in [0, 1], from its own and those of hits in the 5 x 5 pixels around it that
+/// lie on the same surface, nearly in its tangent plane and with nearly its normal; of each pixel only the hit
+/// whose distance from the camera is nearest to the own. A hit without such neighbours, and one without a finite
+/// place, keeps its own part. With more rays the neighbours must be more alike and change less: the result
+/// converges to the own part.
 /// open: of each hit's `samples` rays (at least 1), how many meet nothing.
 std::vector<float> filterAmbientOcclusion(
   const Camera& camera, const HitImage& hits, const std::vector<std::uint16_t>& open, int samples);
