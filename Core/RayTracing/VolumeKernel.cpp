@@ -330,9 +330,13 @@ private:
       const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
       direction_[a][r] = slope;
       origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
-      // As SlabRay::enterUpperFaces().
-      const bool up = slope > 0.f || (slope == 0.f && origin_[a][r] < toKernel(a, domain.max[a]));
-      inverse_[a][r] = 1.f / (up ? std::max(slope, tiny) : std::min(slope, -tiny));
+      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
+      if (slope == 0.f)
+      {
+        // Beside the planes that it may run in: above them, below the domain's upper face.
+        const float aside = 0x1p-23f * std::max(1.f, std::abs(origin_[a][r]));
+        origin_[a][r] += origin_[a][r] < toKernel(a, domain.max[a]) ? aside : -aside;
+      }
     }
   }
 

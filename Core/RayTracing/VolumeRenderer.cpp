@@ -108,7 +108,7 @@ bool resolves(const VolumeKernelScene& scene)
     thickness = std::min(thickness, domain.max[a] - domain.min[a]);
   }
   constexpr double rounding = 0x1p-24;
-  const double farthest = scene.dataScale * std::sqrt(squared) + 1.; // the diagonal is 1
+  const double farthest = scene.dataScale * std::sqrt(squared) + 0.5; // the diagonal is 1
   // Of rays from one point pixels and roundings grow alike on the way.
   const double pixel = scene.features.commonOrigin ? scene.pixelGrowth : scene.pixelWidth / farthest;
   constexpr double parts = 16.;
@@ -135,12 +135,11 @@ void place(VolumeKernelScene& scene)
   scene.dataScale = 1. / std::sqrt(diagonal);
   diagonal = std::sqrt(diagonal / squared);
   toCentre /= squared;
-  // Far away (narrow angles), counting from the eye would leave the domain to the last digits; in it, counting from
-  // its border would leave them to a small view.
+  // Far away (narrow angles), counting from the eye would leave the domain to the last digits: from its middle then.
   constexpr double nearby = 8.;
   scene.scale = 1. / diagonal;
   scene.features.commonOrigin = camera.isPerspective() && std::abs(toCentre) < nearby * diagonal;
-  scene.tReference = scene.features.commonOrigin ? 0. : std::max(0., toCentre - diagonal);
+  scene.tReference = scene.features.commonOrigin ? 0. : toCentre;
   for (int a = 0; a < 3; ++a)
   {
     scene.reference[a] = central.origin[a] + scene.tReference * central.direction[a];
