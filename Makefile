@@ -46,7 +46,7 @@ check-sanitizers: setup
 	cmake --build --preset asan
 	ctest --preset asan
 
-# Takes the time of all other checks together.
+# Slow: for the night.
 check-threads: setup
 	cmake --preset tsan
 	cmake --build --preset tsan

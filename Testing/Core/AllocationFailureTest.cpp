@@ -1,5 +1,6 @@
-// Every allocation of a small scene fails once, Embree's included: what allocates must throw and nothing else, lose no
-// memory, and give the right result the next time. On one thread, where allocations come in one order, and on all.
+// Every allocation of a small scene fails once, those included that Embree announces: what allocates must throw and
+// nothing else, lose no memory, and give the right result the next time. On one thread, where allocations come in one
+// order, and on all.
 #include "Contour/Contour.h"
 #include "Error.h"
 #include "RayTracing/SecondaryRays.h"
@@ -135,10 +136,9 @@ struct NoFailure
 bool monitorShortOfMemory(void* user, ssize_t bytes, bool post)
 {
   const bool isShort = bytes > 0 && untilShortage > 0 && --untilShortage == 0;
+  const NoFailure guard; // but one
   untilFailure = isShort ? 1 : 0;
-  const bool allowed = monitor(user, bytes, post);
-  untilFailure = 0;
-  return allowed;
+  return monitor(user, bytes, post);
 }
 
 } // namespace
@@ -227,7 +227,6 @@ protected:
     for (long n = 1;; ++n)
     {
       const long before = blocks;
-      failed = false;
       failed = false;
       countdown = n;
       bool threw = false;

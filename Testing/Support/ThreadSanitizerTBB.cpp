@@ -36,16 +36,24 @@ public:
   // Not the global ones, which tests replace.
   static void* operator new(std::size_t size) { return r1::cache_aligned_allocate(size); }
   static void operator delete(void* memory) { r1::cache_aligned_deallocate(memory); }
-  d1::task* execute(d1::execution_data& data) override { return take().execute(data); }
-  d1::task* cancel(d1::execution_data& data) override { return take().cancel(data); }
+  d1::task* execute(d1::execution_data& data) override
+  {
+    return pass([&](d1::task& task) { return task.execute(data); });
+  }
+  d1::task* cancel(d1::execution_data& data) override
+  {
+    return pass([&](d1::task& task) { return task.cancel(data); });
+  }
 
 private:
-  d1::task& take()
+  /// After an exception TBB cancels the same task.
+  template <class Call>
+  d1::task* pass(const Call& call)
   {
     __tsan_acquire(this);
-    d1::task& task = task_;
+    d1::task* const next = call(task_);
     delete this;
-    return task;
+    return next;
   }
 
   d1::task& task_;
