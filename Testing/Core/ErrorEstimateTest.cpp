@@ -235,8 +235,7 @@ TEST(ErrorEstimate, AFrameOfAnotherSizeIsAnError)
   std::mt19937 random(3);
   Frame frame{ *field, haze, randomCamera(random), {} };
   EXPECT_THROW(frame.estimator(Image(width, height - 4)), Error);
-  frame.settings.samplesPerCell = 0.;
-  EXPECT_THROW(frame.estimator(Image(width, height)), Error);
+  EXPECT_THROW(frame.estimator(Image(width + 4, height)), Error);
 }
 
 TEST(ErrorEstimate, OnePixelIsEstimated)
