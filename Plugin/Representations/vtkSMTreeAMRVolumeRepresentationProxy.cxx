@@ -51,7 +51,7 @@ void vtkSMTreeAMRVolumeRepresentationProxy::Observe(vtkSMProxy* view)
 void vtkSMTreeAMRVolumeRepresentationProxy::UpdatePropertyInformationInternal(vtkSMProperty* property)
 {
   const vtkTypeUInt32 everywhere = this->Location;
-  this->Location = vtkPVSession::RENDER_SERVER;
+  this->Location &= vtkPVSession::RENDER_SERVER; // 0 for prototypes, which have none
   this->Superclass::UpdatePropertyInformationInternal(property);
   this->Location = everywhere;
 }
