@@ -133,7 +133,7 @@ public:
 
   ///@{
   /// Whether still frames estimate how far they are from the converged picture: by integrating some of their
-  /// pixels again, in 2 % of a frame's time or less from windows of 500 x 500 pixels on. Root mean square over
+  /// pixels again, in less than 3 % of a frame's time from 500 x 500 pixels on. Root mean square over
   /// red, green and blue, premultiplied, peak 1, of all pixels of the renderer; of the integration along rays
   /// alone, not of what fewer rays than pixels leave out. Depth peeling draws a frame in parts, whose squared
   /// errors are added. Every process of a parallel program estimates its own image. Default off.

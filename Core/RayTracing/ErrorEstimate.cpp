@@ -1,11 +1,13 @@
 #include "RayTracing/ErrorEstimate.h"
 
+#include "Error.h"
 #include "RayTracing/VolumeKernel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 namespace treeamr
 {
@@ -67,6 +69,12 @@ ErrorEstimator::ErrorEstimator(const Field& field, const TransferFunction& trans
   , kept_(kept)
   , surfaces_(surfaces)
 {
+  if (frame.width != camera.width() || frame.height != camera.height())
+  {
+    throw Error("error estimate: a frame of " + std::to_string(frame.width) + " x " +
+      std::to_string(frame.height) + " pixels for a camera of " + std::to_string(camera.width()) + " x " +
+      std::to_string(camera.height()));
+  }
   choose(frame);
   std::vector<float> ofFrame(groups_.size() * PixelGroup::rgbaSize, 0.f);
   for (std::size_t g = 0; g < groups_.size(); ++g)

@@ -1,6 +1,7 @@
 // The estimate of a frame's error against the true one, from the scalar reference with many samples.
 #include "RayTracing/ErrorEstimate.h"
 
+#include "Error.h"
 #include "RayTracing/VertexCache.h"
 #include "RayTracing/VolumeReference.h"
 #include "Support/Cameras.h"
@@ -225,6 +226,16 @@ TEST(ErrorEstimate, IsZeroWhereNothingIsDrawn)
   EXPECT_EQ(estimator.error(), 0.);
   EXPECT_EQ(estimator.findSamplesPerCell(1e-3, 0.25, 64.), 0.25);
   EXPECT_EQ(frame.kept.byteSize(), VertexCache(field->octree(), VolumeSettings::defaultKeptBytes).byteSize());
+}
+
+TEST(ErrorEstimate, AFrameOfAnotherSizeIsAnError)
+{
+  const auto field = makeWaves(12);
+  const TransferFunction haze = transferFunctions()[0];
+  std::mt19937 random(3);
+  Frame frame{ *field, haze, randomCamera(random), {} };
+  EXPECT_THROW(frame.estimator(Image(width, height - 4)), Error);
+  EXPECT_THROW(frame.estimator(Image(width + 4, height)), Error);
 }
 
 TEST(ErrorEstimate, OnePixelIsEstimated)

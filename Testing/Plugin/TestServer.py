@@ -56,6 +56,14 @@ def use(port):
     view.SMProxy.InteractiveRender()
     assert (scene.shown(view.GetRenderWindow()) == still).all()
 
+    # Estimated by the server.
+    assert representation.EstimatedError == -1
+    representation.EstimateError = 1
+    simple.Render(view)
+    print("estimated error:", representation.EstimatedError, "in", representation.FrameSeconds, "s")
+    assert representation.EstimatedError > 0
+    assert representation.FrameSeconds > 0
+
     representation.SetRepresentationType("Tree AMR Isosurface")
     simple.Render(view)
     surface = scene.drawn(scene.shown(view.GetRenderWindow()))

@@ -129,6 +129,27 @@ grid.GetCellData().AddArray(array)
         self.assertTrue(after.any())
         self.assertLess(after.sum(), before.sum())
 
+    def test_error_and_target(self):
+        """Both are there as soon as a still picture is."""
+        self.show()
+        self.representation.ScalarOpacityFunction.Points = [0, 0, 0.5, 0, 20, 0.9, 0.5, 0, 64, 0.1, 0.5, 0]
+        simple.Render(self.view)
+        self.assertEqual(-1, self.representation.EstimatedError)
+        self.assertGreater(self.representation.FrameSeconds, 0)
+        self.representation.SamplesPerCell = 0.5
+        self.representation.EstimateError = 1
+        simple.Render(self.view)
+        error = self.representation.EstimatedError
+        self.assertGreater(error, 0)
+        self.representation.EstimateError = 0
+        self.representation.TargetError = error / 10
+        simple.Render(self.view)
+        self.assertGreater(self.representation.EstimatedError, 0)
+        self.assertLessEqual(self.representation.EstimatedError, error / 10)
+        self.representation.TargetError = 0
+        simple.Render(self.view)
+        self.assertEqual(-1, self.representation.EstimatedError)
+
     def test_isosurfaces(self):
         """One colour all over: each pixel lets through what the volume and the surfaces let through."""
         self.show(rgb=(1, 0, 0), opacity=0.5)
