@@ -1,4 +1,4 @@
-// Extreme values, trees, domains, cameras and rays, for the volume renderer and the isosurface, against the
+// Extreme values, trees and domains, for the volume renderer and the isosurface, against the
 // reconstruction in extended precision along each ray. Each case records what it measured.
 #include "Error.h"
 #include "Interpolation/Sampler.h"

@@ -34,8 +34,6 @@ public:
   {
   }
 
-  const std::shared_ptr<const Field>& field() const { return field_; }
-
   /// The largest error of a channel over every `stride`th pixel, infinite where instruction sets differ.
   double volumeError(const TransferFunction& transferFunction, const Camera& camera, int stride = 1)
   {
@@ -129,9 +127,9 @@ inline TransferFunction smooth(double extinction, double scale = 1.)
   return TransferFunction(-scale, scale, entries);
 }
 
-inline std::vector<LeafCell> randomCells(std::uint32_t seed = 12)
+inline std::vector<LeafCell> randomCells()
 {
-  return makeRandomTree({ seed, { 2, 2, 2 }, 4, 0.6, 0., false });
+  return makeRandomTree({ 12, { 2, 2, 2 }, 4, 0.6, 0., false });
 }
 
 /// Of two roots along each axis.
