@@ -86,16 +86,20 @@ MEASURE_CASES = $(foreach test,$(CASES),$(XVFB) $(BUILD)/bin/$(test) --gtest_out
 report: build $(FORESTS:%=$(BENCH)/%.p8est) $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	rm -rf $(REPORT) && mkdir -p $(REPORT)/tests
 	$(BUILD)/bin/treeamr-report $(BENCH) --json $(REPORT)/measured.json
-	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH) --timeout 150 --json $(REPORT)/peers.json
+	. $(BUILD)/env.sh && $(XVFB) sh -c '\
+	  measure="python3 Testing/Benchmark/peers.py $(BENCH) --timeout 150 --json $(REPORT)/peers.json"; \
+	  $$measure --part volume --datasets mandelbulb-0.3M; \
+	  $$measure --part volume --datasets mandelbulb-2.6M --routes treeamr projected-tetra resample-256; \
+	  $$measure --part isosurface'
 	$(MEASURE_CASES)
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Plugin/TestSoak.py \
 	  $(BENCH)/mandelbulb-0.3M.p8est 1000 > $(REPORT)/soak.log && tail -1 $(REPORT)/soak.log > $(REPORT)/soak.json
 	$(PYTHON) Testing/Report/report.py $(REPORT)
 
 # A few minutes of it, without a figure that depends on time: fails where one is missing or out of its bounds.
-report-brief: build
+report-brief: build $(BENCH)/mandelbulb-0.3M.p8est
 	rm -rf $(REPORT) && mkdir -p $(REPORT)/tests
-	$(BUILD)/bin/treeamr-report $(REPORT) --brief --json $(REPORT)/measured.json > $(REPORT)/measured.log
+	$(BUILD)/bin/treeamr-report $(BENCH) --brief --json $(REPORT)/measured.json > $(REPORT)/measured.log
 	$(MEASURE_CASES)
 	$(PYTHON) Testing/Report/report.py $(REPORT) --check
 

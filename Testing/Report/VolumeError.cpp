@@ -15,7 +15,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <map>
@@ -87,20 +86,6 @@ struct DataSet
   std::shared_ptr<const Field> field;
   TransferFunction transferFunction;
 };
-
-/// The first, or where it is not in the folder, one that needs no file.
-DataSet makeBriefDataSet(const std::string& folder)
-{
-  const std::vector<bench::Scene> scenes = bench::makeScenes();
-  const std::string file = folder + "/" + scenes.front().name + ".p8est";
-  if (!std::filesystem::exists(file))
-  {
-    return { "procedural", bench::buildProceduralField(7, 2.55), scenes.back().transferFunction };
-  }
-  bench::Forest forest = bench::readForest(file);
-  return { scenes.front().name, bench::buildField(forest.roots, std::move(forest.cells)),
-    scenes.front().transferFunction };
-}
 
 struct Frame
 {
@@ -288,28 +273,24 @@ void measureMethods(bench::Report& report, const DataSet& data, const Plan& plan
 
 void measureVolumeError(const Options& options, bench::Report& report)
 {
-  if (options.brief)
-  {
-    const Plan plan = makeBriefPlan();
-    const DataSet data = makeBriefDataSet(options.folder);
-    measureSettings(report, data, plan,
-      bench::convergedImage(*data.field, data.transferFunction, bench::makeCamera(plan.pixels)));
-    measureMethods(report, data, plan);
-    return;
-  }
   for (const bench::Scene& scene : bench::makeScenes())
   {
     const std::string file = options.folder + "/" + scene.name;
     bench::Forest forest = bench::readForest(file + ".p8est");
     const DataSet data{ scene.name, bench::buildField(forest.roots, std::move(forest.cells)),
       scene.transferFunction };
-    const Plan plan = makePlan(data.field->octree());
+    const Plan plan = options.brief ? makeBriefPlan() : makePlan(data.field->octree());
+    const std::string reference = file + (options.brief ? "-brief" : "") + ".reference";
     measureSettings(report, data, plan,
-      bench::referenceImage(file + ".reference", forest.digest, *data.field, scene.transferFunction,
-        bench::makeCamera(plan.pixels)));
+      bench::referenceImage(
+        reference, forest.digest, *data.field, scene.transferFunction, bench::makeCamera(plan.pixels)));
     if (plan.methodPixels > 0)
     {
       measureMethods(report, data, plan);
+    }
+    if (options.brief)
+    {
+      return;
     }
   }
 }
