@@ -115,13 +115,14 @@ def volume_work_precision(rows, error, label, peers=(), quoted=()):
                 markeredgecolor="#888888", label="Pareto front of these")
         for points, marker, name in ((peers, "X", "ParaView's routes, same run"),
                                      (quoted, "D", "OSPRay 3.2, measured apart")):
-            own = [p for p in points if p["dataset"] == dataset]
+            own = sorted((p for p in points if p["dataset"] == dataset), key=lambda p: p["cpu_s"])
             if own:
                 ax.plot([p["cpu_s"] for p in own], [p["error"] for p in own], marker, color=COLOURS[6],
                         markerfacecolor="none" if marker == "D" else COLOURS[6], label=name)
-                for p in own:
-                    ax.annotate(p["name"], (p["cpu_s"], p["error"]), xytext=(5, -8),
-                                textcoords="offset points", fontsize=7)
+                for i, p in enumerate(own):  # one below the other: the routes lie close together
+                    ax.annotate(p["name"], (p["cpu_s"], p["error"]), xytext=(-4, -12 - 11 * i), ha="right",
+                                textcoords="offset points", fontsize=7,
+                                arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "#999999"})
         ax.margins(x=0.12)
     shared_legend(figure, axes.values())
     return svg(figure)
@@ -129,14 +130,16 @@ def volume_work_precision(rows, error, label, peers=(), quoted=()):
 
 def kept_values(rows):
     figure, ax = pyplot.subplots(figsize=(6, 3.6))
+    budgets = set()
     for (dataset, own), colour in zip(grouped([r for r in rows if r["series"] == "kept values"],
                                               "dataset").items(), COLOURS):
         own = sorted(own, key=lambda row: float(row["setting"]))
         x = [float(row["setting"]) for row in own]
+        budgets.update(x)
         ax.plot(x, [row["cpu_s"] for row in own], "o-", color=colour, label=dataset)
         ax.plot(x, [row["cpu_s_cold"] for row in own], "o:", color=colour, markerfacecolor="white")
     ax.set_xscale("symlog", linthresh=32)
-    ax.set_xticks(x, [f"{v:g}" for v in x])
+    ax.set_xticks(sorted(budgets), [f"{budget:g}" for budget in sorted(budgets)])
     ax.minorticks_off()
     ax.set_ylim(bottom=0)
     ax.set_xlabel("budget of kept values in MiB")
@@ -178,4 +181,19 @@ def convergence(rows, panels, x, x_label, y_label, slopes=()):
                 ax.plot(ends, [top * (e / ends[1]) ** slope for e in ends], style, color="#999999",
                         label=f"order {slope}", linewidth=1)
     shared_legend(figure, axes.values())
+    return svg(figure)
+
+
+def isosurface_routes(rows):
+    figure, axes = axes_grid(["seen_distance_mean", "seen_angle_mean"], 2, (4.8, 3.2))
+    for (key, ax), title, label in zip(
+            axes.items(), ("Distance", "Normals"),
+            ("mean distance from the surface (domain 1 wide)", "mean angle in degrees")):
+        loglog(ax, title, "CPU-seconds to the first picture", label)
+        for row, colour in zip(rows, COLOURS):
+            if key in row:
+                ax.plot(row["first_picture_cpu_s"], row[key], "o", color=colour)
+                ax.annotate(row["route"].removeprefix("isosurface-"), (row["first_picture_cpu_s"], row[key]),
+                            xytext=(5, 3), textcoords="offset points", color=colour)
+        ax.margins(0.3)
     return svg(figure)

@@ -140,7 +140,8 @@ figure { margin: 1.2em 0; } figure svg { max-width: 100%; height: auto; }
 figcaption, .conditions { color: #57606a; font-size: 13.5px; }
 table { border-collapse: collapse; font-size: 13.5px; margin: .8em 0; display: block; overflow-x: auto; }
 th, td { padding: .22em .7em; border-bottom: 1px solid #e6eaef; text-align: right; vertical-align: top; }
-th { color: #57606a; font-weight: 600; } td.text, th.text { text-align: left; }
+th { color: #57606a; font-weight: 600; } td { white-space: nowrap; }
+td.text, th.text { text-align: left; } .cases td { white-space: normal; }
 .bad { color: #b3261e; font-weight: 600; } .good { color: #1a7f37; }
 """
 
@@ -268,7 +269,7 @@ def field_section(report):
                                              ("trilinear", jumps, "maximum", "max_error"),
                                              ("smooth", jumps, "gradient, mean", "gradient_mean_error")]]
     text = "<h2>Reconstruction: error over refinement and time</h2>" + figure(
-        figures.convergence(inside, panels, "h", "width of the finest cell (domain 1 wide)", "error, of the field's unit",
+        figures.convergence(inside, panels, "h", "width of the finest cell (domain 1 wide)", "error (gradient: part of the steepest)",
                             (1, 2)),
         "Random points inside the domain; the tree's level boundaries stay while every leaf is refined. A method that "
         "is not exact where levels meet falls with order 1 in the maximum. GTI on the trilinear field is at the "
@@ -316,12 +317,18 @@ def isosurface_section(report):
             "Implicit: the ray tracer's extraction and hierarchy, points and normals as pixels see them. Contour: "
             "triangles, at their vertices, over their flat faces, and over the faces with interpolated normals. "
             "Along a line the tree is refined.")
+    finest = [row for row in own if row["refinement"] == max(r["refinement"] for r in own)]
+    angles = {(row["surface"], row["tree"], row["method"]): row["angle_mean_degrees"] for row in finest}
+    ratios = [angles[surface, tree, "implicit"] / angles[surface, tree, "contour-smooth"]
+              for surface in surfaces for tree in trees]
+    text += (f"<p>Where the ray tracer loses: its normals are the gradient of one trilinear piece, {min(ratios):.1f} to "
+             f"{max(ratios):.1f} times as far from the truth in the mean as the contour's, which average the pieces at "
+             "each vertex.</p>")
     text += "<h3>Fitted orders</h3>" + table([
         ("surface", "surface", None), ("tree", "tree", None), ("method", "method", None),
         ("largest distance", "order_distance_max", ".2f"), ("mean distance", "order_distance_mean", ".2f"),
         ("largest angle", "order_angle_max", ".2f"), ("mean angle", "order_angle_mean", ".2f")],
         report["isosurface_orders"])
-    finest = [row for row in own if row["refinement"] == max(r["refinement"] for r in own)]
     text += "<h3>Finest trees</h3>" + table([
         ("surface", "surface", None), ("tree", "tree", None), ("method", "method", None), ("cells", "cells", ",.0f"),
         ("CPU-s build", "cpu_s_build", ".4f"), ("CPU-s a frame", "cpu_s_frame", ".3f"),
@@ -347,7 +354,12 @@ def peers_section(report):
     if report["peers"]:
         text += "<h3>Volumes</h3>" + table([*common, ("PSNR, dB", "psnr_db", ".1f"), state], report["peers"])
     if report["isosurface_peers"]:
-        text += "<h3>Isosurfaces</h3>" + table([
+        text += "<h3>Isosurfaces</h3>"
+        known = [row for row in report["isosurface_peers"] if "seen_distance_mean" in row]
+        if known:
+            text += figure(figures.isosurface_routes(known),
+                           f"{known[0]['dataset']}: what the pixels show, against the sphere. Left and down is better.")
+        text += table([
             *common, ("polygons", "polygons", ",.0f"), ("open edges", "open_edges", ",.0f"),
             ("seen: largest distance", "seen_distance_max", ".1e"), ("mean", "seen_distance_mean", ".1e"),
             ("largest angle, degrees", "seen_angle_max", ".2f"), ("mean", "seen_angle_mean", ".3f"),
@@ -361,7 +373,7 @@ def peers_section(report):
 def stability_section(report):
     if not report["stability"]:
         return ""
-    text = "<h2>Stiff and extreme cases, faults</h2><table><tr>" + "".join(
+    text = "<h2>Stiff and extreme cases, faults</h2><table class=cases><tr>" + "".join(
         f"<th class=text>{name}</th>" for name in ("case", "", "measured", "allowed")) + "</tr>"
     for case in report["stability"]:
         verdict = "<span class=good>passed</span>" if case["passed"] else "<span class=bad>failed</span>"
