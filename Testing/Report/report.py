@@ -347,7 +347,7 @@ def peers_section(report):
               ("frame, CPU-s", "cpu_s_frame", ".3f"), ("s", "s_frame", ".3f"),
               ("peak memory, GB", lambda row: row.get("peak_rss_bytes", math.nan) / 1e9, ".2f")]
     state = ("", lambda row: row.get("failed") or (
-        f"no picture within {row['timed_out_s']:g} s" if "timed_out_s" in row else ""), None)
+        f"not finished within {row['timed_out_s']:g} s" if "timed_out_s" in row else ""), None)
     text = ("<h2>ParaView's own routes, same data, same run</h2><p class=conditions>Each in a process of its own, "
             "1000 x 1000 pixels, memory of the whole process with ParaView. OSPRay is not among them: distributions "
             "ship it without volumes.</p>")
