@@ -86,6 +86,7 @@ struct VolumeStatistics
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image, const TranslucentHits* surfaces = nullptr);
+
 /// 4 x 4 neighbouring pixels.
 struct PixelGroup
 {
@@ -101,6 +102,7 @@ struct PixelGroup
 void renderPixelGroups(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces = nullptr);
+
 /// For benchmarks: takes the camera's rays through a block of the transfer function's faintest value `repeats`
 /// times, on this thread, with the tree walk and the memory of vertex values left out: what an interval, a step
 /// and a lit step take at least.
