@@ -14,10 +14,12 @@
 
 /// Embree is not built with it either: it frees on one thread what another has allocated, and that its build has
 /// ended when the call returns is not seen. Left out are its own calls of the C library and what its build calls back,
-/// which only reads; not what rays call back.
+/// which only reads; not what rays call back. Mesa's software driver has threads of its own.
 extern "C" const char* __tsan_default_suppressions()
 {
-  return "called_from_lib:libembree3.so\nrace:treeamr::Isosurface::Impl::bounds";
+  return "called_from_lib:libembree3.so\n"
+         "race:treeamr::Isosurface::Impl::bounds\n"
+         "race:swrast_dri.so";
 }
 
 namespace tbb::detail
