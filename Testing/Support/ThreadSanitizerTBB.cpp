@@ -12,12 +12,13 @@
 #include <dlfcn.h>
 #include <new>
 
-/// Embree is not built with it either: it frees on one thread what another has allocated, and that its build has
-/// ended when the call returns is not seen. Left out are its own calls of the C library and what its build calls back,
-/// which only reads; not what rays call back. Mesa's software driver has threads of its own.
+/// Left out are TBB's own calls of the C library, and Embree's, which is not built with it either: it frees on one
+/// thread what another has allocated. That Embree's build has ended when the call returns is not seen, so left out is
+/// what that calls back, which only reads; not what rays call back. Mesa's software driver has threads of its own.
 extern "C" const char* __tsan_default_suppressions()
 {
-  return "called_from_lib:libembree3.so\n"
+  return "called_from_lib:libtbb.so\n"
+         "called_from_lib:libembree3.so\n"
          "race:treeamr::Isosurface::Impl::bounds\n"
          "race:swrast_dri.so";
 }
