@@ -5,6 +5,7 @@
 
 #include "Error.h"
 #include "RayTracing/BlockWalk.h"
+#include "RayTracing/SurfaceFrame.h"
 #include "RayTracing/SurfaceBlocks.h"
 
 #include <embree3/rtcore.h>
@@ -268,7 +269,7 @@ struct Isosurface::Impl
             const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
             if (t < query.nearest.t || (t == query.nearest.t && block < query.nearest.block))
             {
-              query.nearest = { t, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
+              query.nearest = { t, {}, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
               for (int a = 0; a < 3; ++a)
               {
                 query.place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
@@ -283,15 +284,19 @@ struct Isosurface::Impl
     return closer;
   }
 
-  Vec3 worldGradient(
-    const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& place) const noexcept
+  /// At a place in the hit's octant.
+  void setGradients(
+    const SurfaceRecord& record, const BlockPlanes& planes, const Vec3& place, SurfaceHit& hit) const noexcept
   {
-    Vec3 gradient = gradientAt(record, planes, octant, place);
+    hit.gradient = gradientAt(record, planes, hit.octant, place);
+    Vec3 smooth = smoothGradientAt(record, planes, domain, hit.octant, place);
     for (int a = 0; a < 3; ++a)
     {
-      gradient[a] /= space.width(a);
+      hit.gradient[a] /= space.width(a);
+      smooth[a] /= space.width(a);
     }
-    return gradient;
+    const Vec3 normal = normalized(dot(smooth, hit.gradient) > 0. ? smooth : hit.gradient);
+    std::copy(normal.begin(), normal.end(), hit.normal.begin());
   }
 
   void collectInBlock(
@@ -308,9 +313,9 @@ struct Isosurface::Impl
             {
               place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
             }
-            query.all->push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0),
-              worldGradient(record, planes, crossing.octant, place), surface, block,
+            query.all->push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0), {}, {}, surface, block,
               static_cast<std::uint8_t>(crossing.octant) });
+            setGradients(record, planes, place, query.all->back());
             return false;
           });
         }
@@ -414,7 +419,7 @@ struct Isosurface::Impl
     }
     hit = query.nearest;
     const BlockPlanes planes(space, blocks.all()[hit.block]);
-    hit.gradient = worldGradient(blocks.record(hit.block), planes, hit.octant, query.place);
+    setGradients(blocks.record(hit.block), planes, query.place, hit);
     return true;
   }
 
