@@ -288,14 +288,14 @@ struct Isosurface::Impl
   void setGradients(
     const SurfaceRecord& record, const BlockPlanes& planes, const Vec3& place, SurfaceHit& hit) const noexcept
   {
-    hit.gradient = gradientAt(record, planes, hit.octant, place);
-    Vec3 smooth = smoothGradientAt(record, planes, domain, hit.octant, place);
+    auto [exact, smooth] = gradientsAt(record, planes, domain, hit.octant, place);
     for (int a = 0; a < 3; ++a)
     {
-      hit.gradient[a] /= space.width(a);
+      exact[a] /= space.width(a);
       smooth[a] /= space.width(a);
     }
-    const Vec3 normal = normalized(dot(smooth, hit.gradient) > 0. ? smooth : hit.gradient);
+    hit.gradient = exact;
+    const Vec3 normal = normalized(dot(smooth, exact) > 0. ? smooth : exact);
     std::copy(normal.begin(), normal.end(), hit.normal.begin());
   }
 
