@@ -89,12 +89,12 @@ bool missesBox(const PixelFan& fan, const Vec3& eye, const Bounds& box, int x, i
 struct Query
 {
   SlabRay ray;
-  double tEnter;        // Embree's ray parameter 0
-  double tLeave;        // Embree's ray parameter 1
-  double rounding = 0.; // bound of the error of a place along the ray
-  SurfaceHit nearest{};
-  Vec3 place{}; // of the nearest hit in its octant
-  std::vector<SurfaceHit>* all = nullptr;
+  double tEnter;   // Embree's ray parameter 0
+  double tLeave;   // Embree's ray parameter 1
+  double rounding; // bound of the error of a place along the ray
+  SurfaceHit nearest;
+  Vec3 place; // of the nearest hit in its octant
+  std::vector<SurfaceHit>* all;
 };
 
 /// Queries of rays, passed through Embree: a ray's id is the number of its query.
@@ -365,7 +365,11 @@ struct Isosurface::Impl
     {
       return false;
     }
-    query = { SlabRay(space.ray(world)), tMin, tMax };
+    query.ray = SlabRay(space.ray(world));
+    query.tEnter = tMin;
+    query.tLeave = tMax;
+    query.rounding = 0.;
+    query.all = nullptr;
     query.ray.enterUpperFaces(domain);
     if (!query.ray.clip(domain.min, domain.max, query.tEnter, query.tLeave))
     {
@@ -545,6 +549,7 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   const std::optional<PixelFan> fan = camera.isPerspective() ? std::optional(camera.fan()) : std::nullopt;
   const Vec3 eye = camera.eye();
   const Bounds domain = impl_->blocks.field().octree().grid().bounds();
+  const bool isCut = !camera.seesAllDepthsOf(domain.min, domain.max);
   // Tiles of packets of 4 x 4 pixels: rays near each other take the same way and ask for the same vertex values.
   constexpr int packet = 4;
   constexpr int tile = 4 * packet;
@@ -587,16 +592,24 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   forTiles([&](int i, int j, std::vector<SurfaceHit>& found) {
     std::unique_ptr<Rays>& own = workers.local();
     own = own ? std::move(own) : std::make_unique<Rays>();
+    // The pixels that show the box form a convex area.
+    bool mayMiss = false;
+    for (int corner = 0; fan && corner < 4; ++corner)
+    {
+      mayMiss = mayMiss ||
+        missesBox(*fan, eye, domain, (i + (corner & 1)) * tile, (j + (corner >> 1)) * tile);
+    }
     unsigned count = 0;
     forPixels(i, j, [&](int x, int y, std::size_t pixel) {
-      if (fan && missesBox(*fan, eye, domain, x, y))
+      if (mayMiss && missesBox(*fan, eye, domain, x, y))
       {
         return;
       }
       const Ray ray = camera.ray(x, y);
+      const double tMin = isCut ? camera.tFromDepth(ray, 0.) : 0.;
+      const double tMax = isCut ? camera.tFromDepth(ray, 1.) : std::numeric_limits<double>::infinity();
       RTCRayHit& r = own->rays[count];
-      if (impl_->prepare(
-            ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), count, own->queries[count], r.ray))
+      if (impl_->prepare(ray, tMin, tMax, count, own->queries[count], r.ray))
       {
         r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         if (layers == SurfaceLayers::All)
