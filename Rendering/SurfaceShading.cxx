@@ -143,7 +143,7 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
       }
     }
     std::array<float, 3> rgb = shade(material, appearance.lights, frame.worldPoint(pointAt(ray, hit.t)),
-      frame.worldNormal(hit.gradient, toEye), toEye,
+      frame.shadingNormal(hit.gradient, hit.normal, toEye), toEye,
       visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
     if (!visibility.open.empty())
     {
@@ -210,7 +210,7 @@ void placeHits(
     const SurfaceHit& hit = hits.hits[i];
     const Vec3 position = frame.worldPoint(pointAt(ray, hit.t));
     // The eye is at the origin and looks along -z, in parallel projection from infinity.
-    const Vec3 normal = frame.worldNormal(hit.gradient, { 0., 0., 1. });
+    const Vec3 normal = frame.shadingNormal(hit.gradient, hit.normal, { 0., 0., 1. });
     std::copy(position.begin(), position.end(), &image.Position[3 * i]);
     std::copy(normal.begin(), normal.end(), &image.Normal[3 * i]);
   });

@@ -71,7 +71,7 @@ void VolumeSurfaces::light(const std::vector<SurfaceMaterial>& materials, const 
         const SurfaceHit& hit = hits_.hits[i];
         const SurfaceMaterial& surface = materials[hit.surface];
         const std::array<float, 3> rgb = shade(surface.material, lights,
-          frame.worldPoint(pointAt(ray, hit.t)), frame.worldNormal(hit.gradient, toEye), toEye);
+          frame.worldPoint(pointAt(ray, hit.t)), frame.shadingNormal(hit.gradient, hit.normal, toEye), toEye);
         rgba_[i] = { rgb[0], rgb[1], rgb[2], surface.opacity };
       }
     }

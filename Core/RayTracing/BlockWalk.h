@@ -235,33 +235,46 @@ inline Cubic alongCrossing(
     y[0][2] + from[2] * d[2] + dz * d[1], dz * d[2] };
 }
 
-/// d value / d coordinate of the planes at a place in the octant.
-inline Vec3 gradientAt(
-  const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& place) noexcept
+/// d value / d coordinate of the planes.
+struct PlaceGradients
 {
-  const double* v = record.values.data() + firstVertex(octant);
-  Vec3 gradient{};
-  for (int corner = 0; corner < 8; ++corner)
-  {
-    const double value = v[(corner & 1) + 5 * (corner >> 1 & 1) + 25 * (corner >> 2)];
-    Vec3 w;
-    Vec3 d;
-    for (int a = 0; a < 3; ++a)
-    {
-      const bool upper = corner >> a & 1;
-      w[a] = upper ? place[a] : 1. - place[a];
-      d[a] = upper ? 1. : -1.;
-    }
-    gradient[0] += value * d[0] * w[1] * w[2];
-    gradient[1] += value * w[0] * d[1] * w[2];
-    gradient[2] += value * w[0] * w[1] * d[2];
-  }
+  Vec3 exact; // of the field in the octant
+  /// With an error of second order: along each axis from the slope of the lower half of the leaf, at its lower face, to
+  /// that of the upper half, at its upper face. Continuous in the leaf and to equal neighbours: at a face the slope is
+  /// that between the centres of the cells. At the domain's end, where the field is flat, the other half's counts for
+  /// all of the leaf.
+  Vec3 smooth;
+};
+
+/// At a place in the octant.
+inline PlaceGradients gradientsAt(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain,
+  int octant, const Vec3& place) noexcept
+{
+  constexpr std::array<int, 3> stride{ 1, 5, 25 };
+  PlaceGradients gradients;
   for (int a = 0; a < 3; ++a)
   {
-    const int cell = octant >> 2 * a & 3;
-    gradient[a] *= planes.inverseWidth[a][cell];
+    const int b = (a + 1) % 3;
+    const int c = (a + 2) % 3;
+    const int half = octant >> 2 * a & 1;
+    const double* face = record.values.data() + firstVertex(octant) - half * stride[a];
+    const auto difference = [&](int plane) {
+      const double* v = face + plane * stride[a];
+      const auto at = [&](int i) { return v[i + stride[a]] - v[i]; };
+      const double low = at(0) + place[b] * (at(stride[b]) - at(0));
+      const double high = at(stride[c]) + place[b] * (at(stride[b] + stride[c]) - at(stride[c]));
+      return low + place[c] * (high - low);
+    };
+    const int cell = (octant >> 2 * a & 3) - half;
+    const double lower = difference(0) * planes.inverseWidth[a][cell];
+    const double upper = difference(1) * planes.inverseWidth[a][cell + 1];
+    const bool isFirst = planes.at[a][cell] == domain.min[a];
+    const bool isLast = planes.at[a][cell + 2] == domain.max[a];
+    const double fromLower = isFirst ? 1. : isLast ? 0. : 0.5 * (half + place[a]);
+    gradients.exact[a] = half != 0 ? upper : lower;
+    gradients.smooth[a] = lower + fromLower * (upper - lower);
   }
-  return gradient;
+  return gradients;
 }
 
 } // namespace treeamr

@@ -142,6 +142,28 @@ PixelFan Camera::fan() const noexcept
   return fan;
 }
 
+bool Camera::seesAllDepthsOf(const Vec3& boxMin, const Vec3& boxMax) const noexcept
+{
+  const Matrix4& m = clipFromData_;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double z = m[11];
+    double w = m[15];
+    for (int a = 0; a < 3; ++a)
+    {
+      const double p = corner >> a & 1 ? boxMax[a] : boxMin[a];
+      z += m[8 + a] * p;
+      w += m[12 + a] * p;
+    }
+    constexpr double margin = 1e-9;
+    if (!(std::abs(z / w) < 1. - margin)) // behind the eye, it is above 1
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
 double Camera::depthFromT(const Ray& ray, double t) const noexcept
 {
   const Matrix4& m = clipFromData_;

@@ -52,6 +52,8 @@ public:
   const Matrix4& worldFromData() const noexcept { return worldFromData_; }
   /// t at a window depth in [0, 1] (0 = near plane) along the ray.
   double tFromDepth(const Ray& ray, double depth) const noexcept;
+  /// Whether a box lies between the near and the far plane, touching neither.
+  bool seesAllDepthsOf(const Vec3& boxMin, const Vec3& boxMax) const noexcept;
   /// Window depth of the point at t.
   double depthFromT(const Ray& ray, double t) const noexcept;
 

@@ -5,6 +5,7 @@
 
 #include "Error.h"
 #include "RayTracing/BlockWalk.h"
+#include "RayTracing/SurfaceFrame.h"
 #include "RayTracing/SurfaceBlocks.h"
 
 #include <embree3/rtcore.h>
@@ -88,12 +89,12 @@ bool missesBox(const PixelFan& fan, const Vec3& eye, const Bounds& box, int x, i
 struct Query
 {
   SlabRay ray;
-  double tEnter;        // Embree's ray parameter 0
-  double tLeave;        // Embree's ray parameter 1
-  double rounding = 0.; // bound of the error of a place along the ray
-  SurfaceHit nearest{};
-  Vec3 place{}; // of the nearest hit in its octant
-  std::vector<SurfaceHit>* all = nullptr;
+  double tEnter;   // Embree's ray parameter 0
+  double tLeave;   // Embree's ray parameter 1
+  double rounding; // bound of the error of a place along the ray
+  SurfaceHit nearest;
+  Vec3 place; // of the nearest hit in its octant
+  std::vector<SurfaceHit>* all;
 };
 
 /// Queries of rays, passed through Embree: a ray's id is the number of its query.
@@ -268,7 +269,7 @@ struct Isosurface::Impl
             const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
             if (t < query.nearest.t || (t == query.nearest.t && block < query.nearest.block))
             {
-              query.nearest = { t, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
+              query.nearest = { t, {}, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
               for (int a = 0; a < 3; ++a)
               {
                 query.place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
@@ -283,15 +284,19 @@ struct Isosurface::Impl
     return closer;
   }
 
-  Vec3 worldGradient(
-    const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& place) const noexcept
+  /// At a place in the hit's octant.
+  void setGradients(
+    const SurfaceRecord& record, const BlockPlanes& planes, const Vec3& place, SurfaceHit& hit) const noexcept
   {
-    Vec3 gradient = gradientAt(record, planes, octant, place);
+    auto [exact, smooth] = gradientsAt(record, planes, domain, hit.octant, place);
     for (int a = 0; a < 3; ++a)
     {
-      gradient[a] /= space.width(a);
+      exact[a] /= space.width(a);
+      smooth[a] /= space.width(a);
     }
-    return gradient;
+    hit.gradient = exact;
+    const Vec3 normal = normalized(dot(smooth, exact) > 0. ? smooth : exact);
+    std::copy(normal.begin(), normal.end(), hit.normal.begin());
   }
 
   void collectInBlock(
@@ -308,9 +313,9 @@ struct Isosurface::Impl
             {
               place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
             }
-            query.all->push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0),
-              worldGradient(record, planes, crossing.octant, place), surface, block,
+            query.all->push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0), {}, {}, surface, block,
               static_cast<std::uint8_t>(crossing.octant) });
+            setGradients(record, planes, place, query.all->back());
             return false;
           });
         }
@@ -360,7 +365,11 @@ struct Isosurface::Impl
     {
       return false;
     }
-    query = { SlabRay(space.ray(world)), tMin, tMax };
+    query.ray = SlabRay(space.ray(world));
+    query.tEnter = tMin;
+    query.tLeave = tMax;
+    query.rounding = 0.;
+    query.all = nullptr;
     query.ray.enterUpperFaces(domain);
     if (!query.ray.clip(domain.min, domain.max, query.tEnter, query.tLeave))
     {
@@ -414,7 +423,7 @@ struct Isosurface::Impl
     }
     hit = query.nearest;
     const BlockPlanes planes(space, blocks.all()[hit.block]);
-    hit.gradient = worldGradient(blocks.record(hit.block), planes, hit.octant, query.place);
+    setGradients(blocks.record(hit.block), planes, query.place, hit);
     return true;
   }
 
@@ -540,6 +549,7 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   const std::optional<PixelFan> fan = camera.isPerspective() ? std::optional(camera.fan()) : std::nullopt;
   const Vec3 eye = camera.eye();
   const Bounds domain = impl_->blocks.field().octree().grid().bounds();
+  const bool isCut = !camera.seesAllDepthsOf(domain.min, domain.max);
   // Tiles of packets of 4 x 4 pixels: rays near each other take the same way and ask for the same vertex values.
   constexpr int packet = 4;
   constexpr int tile = 4 * packet;
@@ -582,16 +592,24 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   forTiles([&](int i, int j, std::vector<SurfaceHit>& found) {
     std::unique_ptr<Rays>& own = workers.local();
     own = own ? std::move(own) : std::make_unique<Rays>();
+    // The pixels that show the box form a convex area.
+    bool mayMiss = false;
+    for (int corner = 0; fan && corner < 4; ++corner)
+    {
+      mayMiss = mayMiss ||
+        missesBox(*fan, eye, domain, (i + (corner & 1)) * tile, (j + (corner >> 1)) * tile);
+    }
     unsigned count = 0;
     forPixels(i, j, [&](int x, int y, std::size_t pixel) {
-      if (fan && missesBox(*fan, eye, domain, x, y))
+      if (mayMiss && missesBox(*fan, eye, domain, x, y))
       {
         return;
       }
       const Ray ray = camera.ray(x, y);
+      const double tMin = isCut ? camera.tFromDepth(ray, 0.) : 0.;
+      const double tMax = isCut ? camera.tFromDepth(ray, 1.) : std::numeric_limits<double>::infinity();
       RTCRayHit& r = own->rays[count];
-      if (impl_->prepare(
-            ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), count, own->queries[count], r.ray))
+      if (impl_->prepare(ray, tMin, tMax, count, own->queries[count], r.ray))
       {
         r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         if (layers == SurfaceLayers::All)

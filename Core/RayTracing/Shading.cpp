@@ -51,14 +51,6 @@ Vec3 incoming(const Light& light, const Vec3& point, double& arrives) noexcept
 std::array<float, 3> shade(const Material& material, const std::vector<Light>& lights, const Vec3& point,
   const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit, float opacity) noexcept
 {
-  Vec3 n = normal;
-  if (dot(n, toEye) < 0.)
-  {
-    for (double& x : n)
-    {
-      x = -x;
-    }
-  }
   std::array<double, 3> sum{ material.ambient[0], material.ambient[1], material.ambient[2] };
   for (std::size_t l = 0; l < lights.size(); ++l)
   {
@@ -66,7 +58,7 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     double strength;
     const Vec3 travels = incoming(light, point, strength);
     strength *= lit && !lit[l] ? 1. - opacity : 1.;
-    const double cosine = -dot(n, travels);
+    const double cosine = -dot(normal, travels);
     if (!(cosine > 0.) || !(strength > 0.))
     {
       continue;
@@ -74,7 +66,7 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     Vec3 mirrored;
     for (int a = 0; a < 3; ++a)
     {
-      mirrored[a] = travels[a] + 2. * cosine * n[a];
+      mirrored[a] = travels[a] + 2. * cosine * normal[a];
     }
     const double highlight = std::pow(std::max(0., dot(mirrored, toEye)), material.specularPower);
     for (int c = 0; c < 3; ++c)

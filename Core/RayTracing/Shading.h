@@ -33,9 +33,8 @@ struct Light
   bool operator==(const Light&) const = default;
 };
 
-/// normal and toEye: unit length, world; the normal is turned towards the eye. lit: of each light,
-/// whether nothing stands before it, else the part `opacity` of it is lost; null: all are lit. Returns linear
-/// RGB, clamped to [0, 1].
+/// normal and toEye: unit length, world, no more than a right angle apart. lit: of each light, whether nothing stands
+/// before it, else the part `opacity` of it is lost; null: all are lit. Returns linear RGB, clamped to [0, 1].
 std::array<float, 3> shade(const Material& material, const std::vector<Light>& lights, const Vec3& point,
   const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit = nullptr, float opacity = 1.f) noexcept;
 

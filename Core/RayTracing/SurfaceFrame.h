@@ -82,6 +82,22 @@ public:
     }
     return dot(n, side) < 0. ? Vec3{ -n[0], -n[1], -n[2] } : n;
   }
+  /// The unit normal in the world to shade a hit by, on the side of its gradient that is turned towards the eye. Where
+  /// that would turn it away from the eye, it lies across the line of sight: turned over, it would take its light from
+  /// behind the surface.
+  Vec3 shadingNormal(const Vec3& gradient, const std::array<float, 3>& normal, const Vec3& toEye) const noexcept
+  {
+    const Vec3 side = worldNormal(gradient, toEye);
+    const Vec3 n = worldNormal({ normal[0], normal[1], normal[2] }, side);
+    const double towards = dot(n, toEye);
+    if (towards >= 0.)
+    {
+      return n;
+    }
+    const Vec3 across = normalized(
+      { n[0] - towards * toEye[0], n[1] - towards * toEye[1], n[2] - towards * toEye[2] });
+    return across == Vec3{} ? side : across;
+  }
 
 private:
   Matrix4 matrix_;

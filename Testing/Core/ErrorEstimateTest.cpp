@@ -189,7 +189,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
           end[pixel] = static_cast<float>(std::clamp(camera.depthFromT(ray, middle + 0.3), 0., 1.));
         }
         begin[pixel] = y > 3 * height / 4 ? 1.f : 0.f;
-        hits.hits.push_back({ middle, {}, 0, 0, 0 });
+        hits.hits.push_back({ middle, {}, {}, 0, 0, 0 });
         rgba.push_back({ uniform(random), 0.5f, 0.2f, 0.3f });
         hits.first.push_back(hits.hits.size());
       }

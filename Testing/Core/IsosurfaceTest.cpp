@@ -49,6 +49,11 @@ Vec3 inside(const std::array<int, 3>& roots, std::mt19937& random)
   return { roots[0] * uniform(random), roots[1] * uniform(random), roots[2] * uniform(random) };
 }
 
+Vec3 widened(const std::array<float, 3>& v)
+{
+  return { v[0], v[1], v[2] };
+}
+
 bool touchesBoundary(const CellId& cell, const std::array<int, 3>& roots)
 {
   bool touches = false;
@@ -135,6 +140,7 @@ TEST(Isosurface, OfALinearFieldIsAPlane)
     EXPECT_NEAR(hit.t, expected, 2e-6);
     const Vec3 n = unit(hit.gradient);
     EXPECT_NEAR(dot(n, unit(normal)), 1., 1e-5);
+    EXPECT_NEAR(dot(widened(hit.normal), unit(normal)), 1., 1e-5);
     EXPECT_FALSE(surface.intersect(ray, 0., expected - 1e-5, hit));
   }
 }
@@ -180,9 +186,84 @@ TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
       const Vec3 g{ p[1] * p[2], p[0] * p[2], p[0] * p[1] };
       EXPECT_NEAR((p[0] * p[1] * p[2] - 6.5) / std::sqrt(dot(g, g)), 0., 1e-5);
       EXPECT_NEAR(dot(unit(g), unit(hit.gradient)), 1., 1e-5);
+      EXPECT_NEAR(dot(unit(g), widened(hit.normal)), 1., 1e-5);
     }
   }
   EXPECT_GT(interior, 5000);
+}
+
+TEST(Isosurface, NormalsInterpolateDifferencesOfCells)
+{
+  // Rough values on a uniform grid of cells that are not cubes.
+  constexpr int count = 8;
+  constexpr Vec3 width{ 0.5, 0.125, 1. };
+  std::array<double, count * count * count> value;
+  std::mt19937 random(31);
+  std::uniform_real_distribution<float> uniform(0.f, 1.f);
+  std::vector<LeafCell> cells;
+  for (int i = 0; i < count * count * count; ++i)
+  {
+    const float v = uniform(random);
+    value[i] = v;
+    cells.push_back({ { { i % count, i / count % count, i / (count * count) }, 1 }, v });
+  }
+  const RootGrid grid = RootGrid::uniform(
+    { count / 2, count / 2, count / 2 }, { 0., 0., 0. }, { 2. * width[0], 2. * width[1], 2. * width[2] });
+  const Isosurface surface(makeField(grid, cells), { 0.5 });
+  // Between the centres of cells linear along two axes, and along the third between the differences at cells' faces.
+  const auto expectedSlope = [&](const Vec3& p, int axis) {
+    double slope = 0.;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      std::array<int, 3> cell;
+      double weight = 1.;
+      for (int a = 0; a < 3; ++a)
+      {
+        const double place = p[a] / width[a] - (a == axis ? 0. : 0.5);
+        const double low = std::floor(place);
+        cell[a] = static_cast<int>(low) + (corner >> a & 1);
+        weight *= corner >> a & 1 ? place - low : 1. - (place - low);
+      }
+      const int upper = cell[0] + count * (cell[1] + count * cell[2]);
+      constexpr std::array<int, 3> stride{ 1, count, count * count };
+      slope += weight * (value[upper] - value[upper - stride[axis]]) / width[axis];
+    }
+    return slope;
+  };
+  int smooth = 0;
+  int own = 0;
+  for (int i = 0; i < 20000; ++i)
+  {
+    const Vec3 target = inside({ count, count, count }, random);
+    const Ray ray = towards({ target[0] * width[0], target[1] * width[1], target[2] * width[2] },
+      { count, count, count }, random);
+    std::vector<SurfaceHit> hits;
+    surface.intersectAll(ray, 0., 100., hits);
+    for (const SurfaceHit& hit : hits)
+    {
+      const Vec3 p = at(ray, hit.t);
+      bool nearBoundary = false;
+      for (int a = 0; a < 3; ++a)
+      {
+        nearBoundary = nearBoundary || p[a] < 1.001 * width[a] || p[a] > (count - 1.001) * width[a];
+      }
+      if (nearBoundary)
+      {
+        continue;
+      }
+      const Vec3 slope{ expectedSlope(p, 0), expectedSlope(p, 1), expectedSlope(p, 2) };
+      const double along = dot(unit(slope), unit(hit.gradient));
+      if (std::abs(along) < 1e-6)
+      {
+        continue; // rounding decides
+      }
+      const Vec3 expected = unit(along > 0. ? slope : hit.gradient);
+      EXPECT_NEAR(dot(widened(hit.normal), expected), 1., 1e-5);
+      (along > 0. ? smooth : own)++;
+    }
+  }
+  EXPECT_GT(smooth, 20000);
+  EXPECT_GT(own, 100);
 }
 
 TEST(Isosurface, OfASingleCellIsAllOfItOrNothing)

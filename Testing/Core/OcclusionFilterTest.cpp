@@ -72,7 +72,7 @@ struct Scene
       std::sort(found.begin(), found.end());
       for (const auto& [t, p] : found)
       {
-        image.hits.push_back({ t, all[p].normal, all[p].surface, 0, 0 });
+        image.hits.push_back({ t, all[p].normal, {}, all[p].surface, 0, 0 });
         planes.push_back(p);
         pixelOf.push_back(pixel);
       }

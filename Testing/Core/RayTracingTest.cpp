@@ -73,7 +73,7 @@ PlaneHits meet(const Camera& camera, const std::vector<ColoredPlane>& planes)
       std::sort(ofRay.begin(), ofRay.end());
       for (const auto& [t, rgba] : ofRay)
       {
-        hits.image.hits.push_back({ t, {}, 0, 0, 0 });
+        hits.image.hits.push_back({ t, {}, {}, 0, 0, 0 });
         hits.rgba.push_back(rgba);
       }
       hits.image.first.push_back(hits.image.hits.size());
@@ -431,8 +431,6 @@ TEST(Shading, FollowsTheTermsOfVtk)
   EXPECT_NEAR(c[0], 0.1 + 0.5 * std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(c[1], 0.5 * std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(c[2], 0., 1e-6);
-  // Seen from behind the normal is turned.
-  EXPECT_EQ(shade(m, { head }, {}, { 0., 0., -1. }, z), shade(m, { head }, {}, z, z));
   Light spot;
   spot.positional = true;
   spot.position = { 0., 0., 2. };

@@ -95,7 +95,7 @@ RandomHits makeHits(const Camera& camera)
       std::sort(ts.begin(), ts.end());
       for (const double t : ts)
       {
-        hits.image.hits.push_back({ t, {}, 0, 0, 0 });
+        hits.image.hits.push_back({ t, {}, {}, 0, 0, 0 });
         const float alpha = uniform(random);
         hits.rgba.push_back(
           { uniform(random), uniform(random), uniform(random), alpha > 0.9f ? 1.f : 0.5f * alpha });

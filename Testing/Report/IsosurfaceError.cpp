@@ -103,7 +103,8 @@ Result measureImplicit(const std::shared_ptr<const Field>& field, const Surface&
       const Ray ray = camera.ray(x, y);
       for (std::size_t h = image.first[pixel]; h < image.first[pixel + 1]; ++h)
       {
-        result.errors.add(surface, pointAt(ray, image.hits[h].t), image.hits[h].gradient);
+        const auto& [nx, ny, nz] = image.hits[h].normal;
+        result.errors.add(surface, pointAt(ray, image.hits[h].t), { nx, ny, nz });
       }
     }
   }

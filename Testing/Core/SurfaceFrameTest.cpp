@@ -1,0 +1,23 @@
+#include "RayTracing/SurfaceFrame.h"
+
+#include <gtest/gtest.h>
+
+using namespace treeamr;
+
+TEST(SurfaceFrame, ShadesBySmoothNormalsOnTheSideThatIsSeen)
+{
+  const SurfaceFrame frame(Matrix4{ -2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }); // stretches and mirrors
+  const Vec3 eye{ 0., 0., 1. };
+  const auto expectNear = [](const Vec3& n, const Vec3& expected) {
+    EXPECT_NEAR(dot(n, normalized(expected)), 1., 1e-6) << n[0] << ' ' << n[1] << ' ' << n[2];
+  };
+  // Either side of the surface; normals transform by the inverse transpose.
+  expectNear(frame.shadingNormal({ 0., 0., 3. }, { 0.6f, 0.f, 0.8f }, eye), { -0.3, 0., 0.8 });
+  expectNear(frame.shadingNormal({ 0., 0., -3. }, { 0.6f, 0.f, -0.8f }, eye), { 0.3, 0., 0.8 });
+  // Turned away from the eye where the piece is not: to the horizon and no further, never to the other side.
+  expectNear(frame.shadingNormal({ 1., 0., 0.1 }, { 0.8f, 0.f, -0.6f }, eye), { -1., 0., 0. });
+  expectNear(frame.shadingNormal({ -1., 0., -0.1 }, { -0.8f, 0.f, 0.6f }, eye), { -1., 0., 0. });
+  // No normal, and no gradient either.
+  expectNear(frame.shadingNormal({ 0., 3., 4. }, {}, eye), { 0., 3., 4. });
+  expectNear(frame.shadingNormal({}, {}, eye), eye);
+}
