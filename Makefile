@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build setup demo check check-sanitizers check-threads bench bench-vs report report-brief install clean
+.PHONY: build setup demo check check-sanitizers bench bench-vs report report-brief install clean
 
 build: setup
 	cmake --preset release
@@ -42,15 +42,9 @@ check: build
 	$(XVFB) ctest --test-dir $(BUILD) --output-on-failure --no-tests=error
 
 check-sanitizers: setup
-	cmake --preset asan
-	cmake --build --preset asan
-	ctest --preset asan
-
-# Slow: for the night.
-check-threads: setup
-	cmake --preset tsan
-	cmake --build --preset tsan
-	ctest --preset tsan
+	for sanitizer in asan tsan; do \
+	  cmake --preset $$sanitizer && cmake --build --preset $$sanitizer && $(XVFB) ctest --preset $$sanitizer || exit; \
+	done
 
 # Forests and converged pictures are made once: `make clean` takes them away.
 BENCH = $(BUILD)/bench
