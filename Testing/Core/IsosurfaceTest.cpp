@@ -498,6 +498,59 @@ TEST(Isosurface, HitsDoNotDependOnTheBudget)
   }
 }
 
+TEST(Isosurface, FramesAreThoseOfSingleRays)
+{
+  const RandomTree options{ 12, { 2, 1, 1 }, 4, 0.6, 0.1, false };
+  const Isosurface surface(makeField(unitRoots(options.roots), makeRandomTree(options)), { -0.2, 0.1 });
+  const Vec3 middle{ 1., 0.5, 0.5 };
+  struct View
+  {
+    const char* name;
+    Matrix4 clipFromData;
+  };
+  const Matrix4 aside = lookAt({ 4., 2., 3. }, middle); // the domain is 2.6 to 5.6 away
+  for (const auto& [name, clipFromData] : { View{ "whole", multiply(perspective(50., 1., 20.), aside) },
+         View{ "near plane cuts", multiply(perspective(50., 4., 20.), aside) },
+         View{ "far plane cuts", multiply(perspective(50., 1., 4.), aside) },
+         View{ "between planes", multiply(perspective(50., 3.8, 4.2), aside) },
+         View{ "beyond the window", multiply(perspective(12., 1., 20.), aside) },
+         View{ "from inside", multiply(perspective(70., 0.01, 20.), lookAt({ 0.9, 0.4, 0.3 }, { 2., 1., 1. })) },
+         View{ "turned away", multiply(perspective(50., 1., 20.), lookAt({ 4., 2., 3. }, { 8., 4., 6. })) },
+         View{ "parallel", multiply(parallel(1.2, 1., 20.), aside) },
+         View{ "parallel, cut", multiply(parallel(1.2, 3.8, 4.2), aside) } })
+  {
+    SCOPED_TRACE(name);
+    const Camera camera(clipFromData, identityMatrix, 75, 61); // no multiple of a tile
+    HitImage nearest;
+    HitImage all;
+    surface.render(camera, SurfaceLayers::Nearest, nearest);
+    surface.render(camera, SurfaceLayers::All, all);
+    std::size_t hits = 0;
+    for (int pixel = 0; pixel < 75 * 61; ++pixel)
+    {
+      const Ray ray = camera.ray(pixel % 75, pixel / 75);
+      std::vector<SurfaceHit> expected;
+      surface.intersectAll(ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), expected);
+      hits += expected.size();
+      ASSERT_EQ(all.first[pixel + 1] - all.first[pixel], expected.size()) << pixel;
+      for (std::size_t k = 0; k < expected.size(); ++k)
+      {
+        const SurfaceHit& hit = all.hits[all.first[pixel] + k];
+        ASSERT_EQ(hit.t, expected[k].t);
+        ASSERT_EQ(hit.surface, expected[k].surface);
+        ASSERT_EQ(hit.gradient, expected[k].gradient);
+        ASSERT_EQ(hit.normal, expected[k].normal);
+      }
+      ASSERT_EQ(nearest.first[pixel + 1] - nearest.first[pixel], expected.empty() ? 0u : 1u) << pixel;
+      if (!expected.empty())
+      {
+        ASSERT_EQ(nearest.hits[nearest.first[pixel]].t, expected[0].t);
+      }
+    }
+    EXPECT_EQ(hits != 0, name != std::string("turned away"));
+  }
+}
+
 TEST(Isosurface, KnowsTheCellsOfItsHits)
 {
   const RandomTree options{ 6, { 2, 1, 1 }, 4, 0.6, 0.1, false };
