@@ -99,6 +99,8 @@ def volume_work_precision(rows, error, label, peers=(), quoted=()):
     of = error if callable(error) else lambda row: row[error]
     rows = [row for row in rows if row["series"] in VOLUME_SERIES]
     data = grouped(rows, "dataset")
+    apart = grouped(quoted, "name")
+    markers = dict(zip({**grouped(peers, "name"), **apart}, itertools.cycle("XP*Ddhp<>")))
     figure, axes = axes_grid(list(data), min(2, len(data)), (5.2, 3.9))
     for dataset, ax in axes.items():
         loglog(ax, dataset, "CPU-seconds a frame", label)
@@ -113,16 +115,11 @@ def volume_work_precision(rows, error, label, peers=(), quoted=()):
         front = pareto_front([(row["cpu_s"], of(row)) for row in data[dataset] if of(row) > 0])
         ax.plot([p[0] for p in front], [p[1] for p in front], "o", markersize=9, markerfacecolor="none",
                 markeredgecolor="#888888", label="Pareto front of these")
-        for points, marker, name in ((peers, "X", "ParaView's routes, same run"),
-                                     (quoted, "D", "OSPRay 3.2, measured apart")):
-            own = sorted((p for p in points if p["dataset"] == dataset), key=lambda p: p["cpu_s"])
-            if own:
-                ax.plot([p["cpu_s"] for p in own], [p["error"] for p in own], marker, color=COLOURS[6],
-                        markerfacecolor="none" if marker == "D" else COLOURS[6], label=name)
-                for i, p in enumerate(own):  # one below the other: the routes lie close together
-                    ax.annotate(p["name"], (p["cpu_s"], p["error"]), xytext=(-4, -12 - 11 * i), ha="right",
-                                textcoords="offset points", fontsize=7,
-                                arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "#999999"})
+        for name, marker in markers.items():
+            at = [(p["cpu_s"], p["error"]) for p in (*peers, *quoted) if (p["dataset"], p["name"]) == (dataset, name)]
+            if at:
+                ax.plot(*zip(*at), marker, color=COLOURS[6], markersize=7, label=name,
+                        markerfacecolor="none" if name in apart else COLOURS[6])
         ax.margins(x=0.12)
     shared_legend(figure, axes.values())
     return svg(figure)
