@@ -3,6 +3,9 @@
 #include "vtkCommand.h"
 #include "vtkObjectFactory.h"
 #include "vtkPVSession.h"
+#include "vtkSMDoubleVectorProperty.h"
+#include "vtkSMSession.h"
+#include "vtkTreeAMRFrameInformation.h"
 
 vtkStandardNewMacro(vtkSMTreeAMRVolumeRepresentationProxy);
 
@@ -50,10 +53,17 @@ void vtkSMTreeAMRVolumeRepresentationProxy::Observe(vtkSMProxy* view)
 //------------------------------------------------------------------------------
 void vtkSMTreeAMRVolumeRepresentationProxy::UpdatePropertyInformationInternal(vtkSMProperty* property)
 {
-  const vtkTypeUInt32 everywhere = this->Location;
-  this->Location &= vtkPVSession::RENDER_SERVER; // 0 for prototypes, which have none
-  this->Superclass::UpdatePropertyInformationInternal(property);
-  this->Location = everywhere;
+  auto* error = vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty("EstimatedError"));
+  auto* seconds = vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty("FrameSeconds"));
+  if ((property != error && property != seconds) || this->Location == 0) // prototypes have none
+  {
+    this->Superclass::UpdatePropertyInformationInternal(property);
+    return;
+  }
+  vtkNew<vtkTreeAMRFrameInformation> frame;
+  this->GetSession()->GatherInformation(vtkPVSession::RENDER_SERVER, frame, this->GetGlobalID());
+  error->SetElement(0, frame->GetEstimatedError());
+  seconds->SetElement(0, frame->GetSeconds());
 }
 
 //------------------------------------------------------------------------------
@@ -62,7 +72,6 @@ void vtkSMTreeAMRVolumeRepresentationProxy::ViewRendered(
 {
   if (interactive && *static_cast<int*>(interactive) == 0)
   {
-    this->UpdatePropertyInformation(this->GetProperty("EstimatedError"));
-    this->UpdatePropertyInformation(this->GetProperty("FrameSeconds"));
+    this->UpdatePropertyInformation(this->GetProperty("EstimatedError")); // and of FrameSeconds
   }
 }

@@ -1,6 +1,6 @@
 // Fetches what the last still frame's error and time were as soon as the view has rendered it, so that the panel and
-// Python show them: else ParaView asks for information properties only when told to. It is asked of the process that
-// renders: ParaView would ask the client's representation, which draws nothing where there is a server.
+// Python show them: else ParaView asks for information properties only when told to. All processes that render are
+// asked: ParaView would ask the client's representation, which draws nothing where there is a server.
 
 #ifndef vtkSMTreeAMRVolumeRepresentationProxy_h
 #define vtkSMTreeAMRVolumeRepresentationProxy_h
