@@ -19,6 +19,8 @@ struct SurfaceAppearance
   Material material;
   std::vector<Light> lights;
   float opacity = 1.f;
+  /// Whether each trilinear piece shows its own gradient, which changes abruptly from one to the next.
+  bool flat = false;
   /// Factors of the colours that replace the material's ambient and diffuse ones, when there are such
   /// colours.
   float ambientOfColors = 0.f;

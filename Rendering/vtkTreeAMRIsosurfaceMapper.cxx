@@ -482,6 +482,7 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   appearance.lights = treeamr::convertLights(view.Renderer);
   appearance.opacity =
     view.Layers == treeamr::SurfaceLayers::All ? static_cast<float>(property->GetOpacity()) : 1.f;
+  appearance.flat = property->GetInterpolation() == VTK_FLAT;
   appearance.ambientOfColors = static_cast<float>(
     property->GetLighting() ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());
   appearance.diffuseOfColors = static_cast<float>(property->GetLighting() ? property->GetDiffuse() : 0.);

@@ -7,7 +7,8 @@
  * contoured array is SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name); unset it
  * is the active scalars or, when there are none, the first cell array.
  *
- * The actor's vtkProperty and the renderer's lights shade it as they shade polygons. It is coloured by an
+ * The actor's vtkProperty and the renderer's lights shade it as they shade polygons: with normals that are smooth
+ * across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured by an
  * array through vtkMapper's ScalarVisibility, ScalarMode, SelectColorArray() and LookupTable; arrays of
  * colours (direct scalars) are mapped like all others, and an array that does not exist leaves the solid
  * colour, with a warning. Coloured by the contoured array each surface has the colour of its value. Real depth is

@@ -146,6 +146,12 @@ void vtkTreeAMRIsosurfaceRepresentation::SetOpacity(double opacity)
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetInterpolation(int interpolation)
+{
+  this->Property->SetInterpolation(interpolation);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::SetAmbientColor(double r, double g, double b)
 {
   this->Property->SetAmbientColor(r, g, b);

@@ -41,6 +41,7 @@ public:
   void SetSpecular(double coefficient);
   void SetSpecularPower(double power);
   void SetOpacity(double opacity);
+  void SetInterpolation(int interpolation);
   void SetAmbientColor(double r, double g, double b);
   void SetDiffuseColor(double r, double g, double b);
   void SetSpecularColor(double r, double g, double b);

@@ -1,6 +1,7 @@
 """The representation `Tree AMR Isosurface`."""
 
 
+import numpy
 from paraview import simple
 
 import scene
@@ -140,6 +141,17 @@ for name, values in (('big', numpy.linspace(100, 200, n)), ('v', numpy.linspace(
         flat = self.picture("flat")
         self.assertEqual({0, 255}, set(flat.ravel()))
         self.assertTrue((scene.drawn(flat) == scene.drawn(bright)).all())
+
+    def test_interpolation(self):
+        """The edges of coarse pieces show in flat interpolation only."""
+        self.assertEqual("Gouraud", self.representation.Interpolation)
+        smooth = self.picture("smooth")
+        self.representation.Interpolation = "Flat"
+        flat = self.picture("pieces")
+        self.assertTrue((scene.drawn(flat) == scene.drawn(smooth)).all())
+        steps = [abs(numpy.diff(image[..., 0].astype(int), axis=1)) for image in (smooth, flat)]
+        inside = scene.drawn(smooth)[:, 1:] & scene.drawn(smooth)[:, :-1]
+        self.assertLess(1.5 * steps[0][inside].max(), steps[1][inside].max())
 
     def test_opacity(self):
         self.representation.Ambient, self.representation.Diffuse = 1.0, 0.0

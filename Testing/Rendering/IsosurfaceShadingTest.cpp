@@ -197,6 +197,61 @@ TEST_F(IsosurfaceLightingTest, headlight)
   expectSameAsPolygon([](Scene&, vtkActor*) {});
 }
 
+// A sphere in cells of a quarter of its radius: smooth normals are those of the sphere, those of pieces are not.
+TEST_F(IsosurfaceLightingTest, curvedSurfaceInSmoothAndFlatInterpolation)
+{
+  constexpr double radius = 0.7;
+  GridOptions options;
+  options.roots = { 12, 12, 12 };
+  const auto grid = makeGrid(options, { { "r", [](const Point& p) { return std::hypot(p[0], p[1], p[2]); } } });
+  Scene scene(120, 90);
+  vtkActor* actor = scene.addIsosurface(grid, "r", radius);
+  actor->GetProperty()->LightingOn();
+  scene.setCamera();
+  Point toLight; // the headlight is behind the camera
+  scene.renderer->GetActiveCamera()->GetDirectionOfProjection(toLight.data());
+  const auto largestError = [&](int interpolation) {
+    actor->GetProperty()->SetInterpolation(interpolation);
+    const auto pixels = scene.render();
+    double largest = 0.;
+    int seen = 0;
+    for (int y = 0; y < scene.height(); ++y)
+    {
+      for (int x = 0; x < scene.width(); ++x)
+      {
+        const PixelRay ray = scene.ray(x, y);
+        double squared = 0.; // of the ray's length, and so on, for the nearer root
+        double half = 0.;
+        double rest = -radius * radius;
+        for (int a = 0; a < 3; ++a)
+        {
+          const double d = ray.far[a] - ray.near[a];
+          squared += d * d;
+          half += d * ray.near[a];
+          rest += ray.near[a] * ray.near[a];
+        }
+        const double discriminant = half * half - squared * rest;
+        if (discriminant < 0.)
+        {
+          continue;
+        }
+        const Point p = ray.at((-half - std::sqrt(discriminant)) / squared);
+        const double cosine = -(p[0] * toLight[0] + p[1] * toLight[1] + p[2] * toLight[2]) / radius;
+        if (cosine > 0.6) // off the silhouette, where a small distance makes a great difference
+        {
+          ++seen;
+          largest = std::max(largest, std::abs(pixels[x + scene.width() * y][0] - cosine));
+        }
+      }
+    }
+    EXPECT_GT(seen, 500);
+    return largest;
+  };
+  EXPECT_LT(largestError(VTK_GOURAUD), 0.03);
+  EXPECT_GT(largestError(VTK_FLAT), 0.1);
+  EXPECT_LT(largestError(VTK_GOURAUD), 0.03);
+}
+
 TEST_F(IsosurfaceLightingTest, lightingOff)
 {
   expectSameAsPolygon([](Scene&, vtkActor* actor) { actor->GetProperty()->LightingOff(); });
