@@ -144,8 +144,8 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
     }
     const Vec3 normal = appearance.flat ? frame.worldNormal(hit.gradient, toEye)
                                         : frame.shadingNormal(hit.gradient, hit.normal, toEye);
-    std::array<float, 3> rgb = shade(material, appearance.lights, frame.worldPoint(pointAt(ray, hit.t)), normal, toEye,
-      visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
+    std::array<float, 3> rgb = shade(material, appearance.lights, frame.worldPoint(pointAt(ray, hit.t)),
+      normal, toEye, visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
     if (!visibility.open.empty())
     {
       for (float& channel : rgb)

@@ -247,8 +247,8 @@ struct PlaceGradients
 };
 
 /// At a place in the octant.
-inline PlaceGradients gradientsAt(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain,
-  int octant, const Vec3& place) noexcept
+inline PlaceGradients gradientsAt(const SurfaceRecord& record, const BlockPlanes& planes,
+  const Bounds& domain, int octant, const Vec3& place) noexcept
 {
   constexpr std::array<int, 3> stride{ 1, 5, 25 };
   PlaceGradients gradients;

@@ -5,8 +5,8 @@
 
 #include "Error.h"
 #include "RayTracing/BlockWalk.h"
-#include "RayTracing/SurfaceFrame.h"
 #include "RayTracing/SurfaceBlocks.h"
+#include "RayTracing/SurfaceFrame.h"
 
 #include <embree3/rtcore.h>
 #include <oneapi/tbb/blocked_range2d.h>
@@ -596,8 +596,8 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
     bool mayMiss = false;
     for (int corner = 0; fan && corner < 4; ++corner)
     {
-      mayMiss = mayMiss ||
-        missesBox(*fan, eye, domain, (i + (corner & 1)) * tile, (j + (corner >> 1)) * tile);
+      mayMiss =
+        mayMiss || missesBox(*fan, eye, domain, (i + (corner & 1)) * tile, (j + (corner >> 1)) * tile);
     }
     unsigned count = 0;
     forPixels(i, j, [&](int x, int y, std::size_t pixel) {

@@ -17,11 +17,12 @@ namespace treeamr
 struct SurfaceHit
 {
   double t;
-  Vec3 gradient;               // of the field, d value / d data coordinate
-  std::array<float, 3> normal; // to shade by: unit length, less than a right angle from the gradient, to the second
-                               // order that of the surface that the field approximates; 0 where the gradient is
-  std::uint32_t surface;       // which of Isosurface::isovalues()
-  std::uint32_t block;         // where Isosurface::cell() finds the cell
+  Vec3 gradient; // of the field, d value / d data coordinate
+  /// To shade by, in data coordinates: unit length, to the second order the normal of the surface that the field
+  /// approximates, less than a right angle from the gradient; 0 where that is.
+  std::array<float, 3> normal;
+  std::uint32_t surface; // which of Isosurface::isovalues()
+  std::uint32_t block;   // where Isosurface::cell() finds the cell
   std::uint8_t octant;
 };
 

@@ -85,7 +85,8 @@ public:
   /// The unit normal in the world to shade a hit by, on the side of its gradient that is turned towards the eye. Where
   /// that would turn it away from the eye, it lies across the line of sight: turned over, it would take its light from
   /// behind the surface.
-  Vec3 shadingNormal(const Vec3& gradient, const std::array<float, 3>& normal, const Vec3& toEye) const noexcept
+  Vec3 shadingNormal(
+    const Vec3& gradient, const std::array<float, 3>& normal, const Vec3& toEye) const noexcept
   {
     const Vec3 side = worldNormal(gradient, toEye);
     const Vec3 n = worldNormal({ normal[0], normal[1], normal[2] }, side);
@@ -94,8 +95,8 @@ public:
     {
       return n;
     }
-    const Vec3 across = normalized(
-      { n[0] - towards * toEye[0], n[1] - towards * toEye[1], n[2] - towards * toEye[2] });
+    const Vec3 across =
+      normalized({ n[0] - towards * toEye[0], n[1] - towards * toEye[1], n[2] - towards * toEye[2] });
     return across == Vec3{} ? side : across;
   }
 

@@ -43,7 +43,8 @@ void vtkTreeAMRFrameInformation::AddInformation(vtkPVInformation* information)
 void vtkTreeAMRFrameInformation::CopyToStream(vtkClientServerStream* stream)
 {
   stream->Reset();
-  *stream << vtkClientServerStream::Reply << this->SquaredError << this->Seconds << vtkClientServerStream::End;
+  *stream << vtkClientServerStream::Reply << this->SquaredError << this->Seconds
+          << vtkClientServerStream::End;
 }
 
 //------------------------------------------------------------------------------

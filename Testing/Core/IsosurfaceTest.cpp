@@ -235,8 +235,8 @@ TEST(Isosurface, NormalsInterpolateDifferencesOfCells)
   for (int i = 0; i < 20000; ++i)
   {
     const Vec3 target = inside({ count, count, count }, random);
-    const Ray ray = towards({ target[0] * width[0], target[1] * width[1], target[2] * width[2] },
-      { count, count, count }, random);
+    const Ray ray = towards(
+      { target[0] * width[0], target[1] * width[1], target[2] * width[2] }, { count, count, count }, random);
     std::vector<SurfaceHit> hits;
     surface.intersectAll(ray, 0., 100., hits);
     for (const SurfaceHit& hit : hits)
@@ -509,15 +509,16 @@ TEST(Isosurface, FramesAreThoseOfSingleRays)
     Matrix4 clipFromData;
   };
   const Matrix4 aside = lookAt({ 4., 2., 3. }, middle); // the domain is 2.6 to 5.6 away
-  for (const auto& [name, clipFromData] : { View{ "whole", multiply(perspective(50., 1., 20.), aside) },
-         View{ "near plane cuts", multiply(perspective(50., 4., 20.), aside) },
-         View{ "far plane cuts", multiply(perspective(50., 1., 4.), aside) },
-         View{ "between planes", multiply(perspective(50., 3.8, 4.2), aside) },
-         View{ "beyond the window", multiply(perspective(12., 1., 20.), aside) },
-         View{ "from inside", multiply(perspective(70., 0.01, 20.), lookAt({ 0.9, 0.4, 0.3 }, { 2., 1., 1. })) },
-         View{ "turned away", multiply(perspective(50., 1., 20.), lookAt({ 4., 2., 3. }, { 8., 4., 6. })) },
-         View{ "parallel", multiply(parallel(1.2, 1., 20.), aside) },
-         View{ "parallel, cut", multiply(parallel(1.2, 3.8, 4.2), aside) } })
+  for (const auto& [name, clipFromData] :
+    { View{ "whole", multiply(perspective(50., 1., 20.), aside) },
+      View{ "near plane cuts", multiply(perspective(50., 4., 20.), aside) },
+      View{ "far plane cuts", multiply(perspective(50., 1., 4.), aside) },
+      View{ "between planes", multiply(perspective(50., 3.8, 4.2), aside) },
+      View{ "beyond the window", multiply(perspective(12., 1., 20.), aside) },
+      View{ "from inside", multiply(perspective(70., 0.01, 20.), lookAt({ 0.9, 0.4, 0.3 }, { 2., 1., 1. })) },
+      View{ "turned away", multiply(perspective(50., 1., 20.), lookAt({ 4., 2., 3. }, { 8., 4., 6. })) },
+      View{ "parallel", multiply(parallel(1.2, 1., 20.), aside) },
+      View{ "parallel, cut", multiply(parallel(1.2, 3.8, 4.2), aside) } })
   {
     SCOPED_TRACE(name);
     const Camera camera(clipFromData, identityMatrix, 75, 61); // no multiple of a tile

@@ -6,7 +6,8 @@ using namespace treeamr;
 
 TEST(SurfaceFrame, ShadesBySmoothNormalsOnTheSideThatIsSeen)
 {
-  const SurfaceFrame frame(Matrix4{ -2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }); // stretches and mirrors
+  const SurfaceFrame frame(
+    Matrix4{ -2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 }); // stretches and mirrors
   const Vec3 eye{ 0., 0., 1. };
   const auto expectNear = [](const Vec3& n, const Vec3& expected) {
     EXPECT_NEAR(dot(n, normalized(expected)), 1., 1e-6) << n[0] << ' ' << n[1] << ' ' << n[2];

@@ -203,7 +203,8 @@ TEST_F(IsosurfaceLightingTest, curvedSurfaceInSmoothAndFlatInterpolation)
   constexpr double radius = 0.7;
   GridOptions options;
   options.roots = { 12, 12, 12 };
-  const auto grid = makeGrid(options, { { "r", [](const Point& p) { return std::hypot(p[0], p[1], p[2]); } } });
+  const auto grid =
+    makeGrid(options, { { "r", [](const Point& p) { return std::hypot(p[0], p[1], p[2]); } } });
   Scene scene(120, 90);
   vtkActor* actor = scene.addIsosurface(grid, "r", radius);
   actor->GetProperty()->LightingOn();
