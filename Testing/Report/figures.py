@@ -185,12 +185,12 @@ def isosurface_routes(rows):
     figure, axes = axes_grid(["seen_distance_mean", "seen_angle_mean"], 2, (4.8, 3.2))
     for (key, ax), title, label in zip(
             axes.items(), ("Distance", "Normals"),
-            ("mean distance from the surface (domain 1 wide)", "mean angle in degrees")):
+            ("mean distance (domain 1 wide)", "mean angle in degrees")):
         loglog(ax, title, "CPU-seconds to the first picture", label)
         for row, colour in zip(rows, COLOURS):
             if key in row:
-                ax.plot(row["first_picture_cpu_s"], row[key], "o", color=colour)
-                ax.annotate(row["route"].removeprefix("isosurface-"), (row["first_picture_cpu_s"], row[key]),
-                            xytext=(5, 3), textcoords="offset points", color=colour)
+                ax.plot(row["first_picture_cpu_s"], row[key], "o", color=colour,
+                        label=row["route"].removeprefix("isosurface-"))
         ax.margins(0.3)
+    shared_legend(figure, axes.values())
     return svg(figure)

@@ -141,7 +141,7 @@ h1 { margin-bottom: .1em; } h2 { margin-top: 2.2em; border-bottom: 1px solid #d8
 figure { margin: 1.2em 0; } figure svg { max-width: 100%; height: auto; }
 figcaption, .conditions { color: #57606a; font-size: 13.5px; }
 table { border-collapse: collapse; font-size: 13.5px; margin: .8em 0; display: block; overflow-x: auto; }
-th, td { padding: .22em .7em; border-bottom: 1px solid #e6eaef; text-align: right; vertical-align: top; }
+th, td { padding: .22em .5em; border-bottom: 1px solid #e6eaef; text-align: right; vertical-align: top; }
 th { color: #57606a; font-weight: 600; } td { white-space: nowrap; }
 td.text, th.text { text-align: left; } .cases td { white-space: normal; }
 .bad { color: #b3261e; font-weight: 600; } .good { color: #1a7f37; }
