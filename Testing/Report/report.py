@@ -345,7 +345,7 @@ def isosurface_section(report):
 def peers_section(report):
     if not (report["peers"] or report["isosurface_peers"]):
         return ""
-    common = [("data set", "dataset", None), ("route", "route", None),
+    common = [("data set", "dataset", None), ("route", lambda row: row["route"].removeprefix("isosurface-"), None),
               ("first picture, CPU-s", "first_picture_cpu_s", ".2f"), ("s", "first_picture_s", ".2f"),
               ("frame, CPU-s", "cpu_s_frame", ".3f"), ("s", "s_frame", ".3f"),
               ("peak memory, GB", lambda row: row.get("peak_rss_bytes", math.nan) / 1e9, ".2f")]
