@@ -55,9 +55,13 @@ void vtkSMTreeAMRVolumeRepresentationProxy::UpdatePropertyInformationInternal(vt
 {
   auto* error = vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty("EstimatedError"));
   auto* seconds = vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty("FrameSeconds"));
-  if ((property != error && property != seconds) || this->Location == 0) // prototypes have none
+  const bool isOther = property != error && property != seconds; // null: all
+  if (isOther)
   {
     this->Superclass::UpdatePropertyInformationInternal(property);
+  }
+  if ((isOther && property) || !this->ObjectsCreated || this->Location == 0) // prototypes have none
+  {
     return;
   }
   vtkNew<vtkTreeAMRFrameInformation> frame;

@@ -62,6 +62,8 @@ def use(port):
     simple.Render(view)
     print("estimated error:", representation.EstimatedError, "in", representation.FrameSeconds, "s")
     assert abs(representation.EstimatedError - 9e-3) < 5e-4
+    representation.SMProxy.UpdatePropertyInformation()
+    assert abs(representation.SMProxy.GetProperty("EstimatedError").GetElement(0) - 9e-3) < 5e-4
     assert representation.FrameSeconds > 0
 
     representation.SetRepresentationType("Tree AMR Isosurface")
