@@ -106,6 +106,17 @@ std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int ac
   }
 }
 
+bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySelection& b)
+{
+  if (a.name != b.name)
+  {
+    return false;
+  }
+  vtkDataArray* array = grid->GetCellData()->GetArray(a.name.c_str());
+  return (array && array->GetNumberOfComponents() == 1) ||
+    std::max(a.component, -1) == std::max(b.component, -1);
+}
+
 const std::shared_ptr<const Field>& FieldSlot::acquire(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
 {

@@ -33,6 +33,9 @@ std::string defaultCellArrayName(vtkHyperTreeGrid* grid);
 std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,
   const char* arrayName, const std::string& fallback);
 
+/// Whether two selections mean the same values: a scalar array has one component and is its own magnitude.
+bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySelection& b);
+
 /// The field of one array, made again only when grid or selection change. A failure is kept, too: reading an
 /// unfit array again at every frame would take as long as reading a fit one.
 class FieldSlot

@@ -123,7 +123,7 @@ std::vector<float> valuesAtHits(
 }
 
 void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
-  const SurfaceVisibility& visibility, const unsigned char* colors, vtkTreeAMRSurfaceImage& image)
+  const SurfaceVisibility& visibility, const HitColors& colors, vtkTreeAMRSurfaceImage& image)
 {
   const SurfaceFrame frame(camera.worldFromData());
   const std::size_t lights = appearance.lights.size();
@@ -135,9 +135,10 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
     Material material = appearance.material;
     if (colors)
     {
+      const unsigned char* const rgba = colors.at(hits.hits, i);
       for (int c = 0; c < 3; ++c)
       {
-        const float channel = colors[4 * i + c] / 255.f;
+        const float channel = rgba[c] / 255.f;
         material.ambient[c] = appearance.ambientOfColors * channel;
         material.diffuse[c] = appearance.diffuseOfColors * channel;
       }

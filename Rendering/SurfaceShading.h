@@ -1,6 +1,7 @@
 // From the hits of an isosurface to the points of a lit surface. Private to the module.
 #pragma once
 
+#include "SurfaceColors.h"
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "RayTracing/Isosurface.h"
@@ -38,10 +39,9 @@ struct SurfaceVisibility
 std::vector<float> valuesAtHits(
   const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits);
 
-/// Lights the hits in world coordinates. colors: RGBA of each hit, or null. The surface blocks light like
-/// a layer of its opacity. Fills all of the image but Position and Normal.
+/// Lights the hits in world coordinates. The surface blocks light like a layer of its opacity. Fills all of the image but Position and Normal.
 void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
-  const SurfaceVisibility& visibility, const unsigned char* colors, vtkTreeAMRSurfaceImage& image);
+  const SurfaceVisibility& visibility, const HitColors& colors, vtkTreeAMRSurfaceImage& image);
 
 /// Makes one layer of all that lie before the window depths `depth` of the pixels, blended in their order, where
 /// the nearest is.

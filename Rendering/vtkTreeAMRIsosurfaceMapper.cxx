@@ -2,6 +2,7 @@
 
 #include "MapperInput.h"
 #include "SceneConversion.h"
+#include "SurfaceColors.h"
 #include "SurfaceShading.h"
 #include "vtkTreeAMRFramebuffer.h"
 
@@ -17,7 +18,6 @@
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
-#include "vtkFloatArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
@@ -27,10 +27,7 @@
 #include "vtkPlaneCollection.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
-#include "vtkScalarsToColors.h"
-#include "vtkSmartPointer.h"
 #include "vtkTimerLog.h"
-#include "vtkUnsignedCharArray.h"
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
@@ -114,9 +111,6 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   vtkTreeAMRSurfaceImage Image; // on its way to the graphics card
 
   View& ViewOf(vtkMapper* self, vtkRenderer* renderer, vtkActor* actor);
-  /// RGBA of each hit; null: the solid colour.
-  vtkSmartPointer<vtkUnsignedCharArray> MapColors(
-    vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid, View& view);
 };
 
 //------------------------------------------------------------------------------
@@ -355,79 +349,33 @@ double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& gri
 }
 
 //------------------------------------------------------------------------------
-vtkSmartPointer<vtkUnsignedCharArray> vtkTreeAMRIsosurfaceMapper::Internals::MapColors(
-  vtkTreeAMRIsosurfaceMapper* self, vtkHyperTreeGrid* grid, View& view)
+treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTreeGrid* grid)
 {
-  if (!self->ScalarVisibility)
-  {
-    return nullptr;
-  }
+  Internals& internals = *this->Private;
   treeamr::ArraySelection selection;
   try
   {
-    vtkDataArray* active = grid->GetCellData()->GetScalars();
-    selection.name = treeamr::selectedCellArrayName(grid, self->ScalarMode, self->ArrayAccessMode,
-      self->ArrayId, self->ArrayName, active && active->GetName() ? active->GetName() : "");
+    selection = treeamr::selectColors(this, grid);
   }
   catch (const treeamr::Error& error)
   {
-    self->Warn(error.what());
+    this->Warn(error.what());
   }
-  vtkDataArray* array =
-    selection.name.empty() ? nullptr : grid->GetCellData()->GetArray(selection.name.c_str());
-  if (!array)
+  if (selection.name.empty())
   {
-    return nullptr;
+    return {};
   }
-
-  vtkScalarsToColors* table = self->GetLookupTable();
-  if (self->ArrayComponent >= 0)
+  if (treeamr::isSameArray(grid, selection, internals.Contoured))
   {
-    selection.component = self->ArrayComponent;
+    return treeamr::mapIsovalues(this, internals.Surface->isovalues());
   }
-  else if (table->GetVectorMode() == vtkScalarsToColors::COMPONENT)
+  const std::shared_ptr<const treeamr::Field>& field = internals.ColorSlot.acquire(grid, selection, false);
+  if (view.ColorField != field)
   {
-    selection.component = table->GetVectorComponent();
+    view.ColorValues = treeamr::valuesAtHits(field, *view.Camera, view.Hits);
+    view.ColorField = field;
   }
-  // As vtkMapper does for components that the array has not.
-  if (selection.component >= array->GetNumberOfComponents())
-  {
-    selection.component = 0;
-  }
-  if (array->GetNumberOfComponents() == 1)
-  {
-    selection.component = -1;
-  }
-
-  vtkNew<vtkFloatArray> scalars;
-  if (selection.name == this->Contoured.name && selection.component == this->Contoured.component)
-  {
-    scalars->SetNumberOfValues(static_cast<vtkIdType>(view.Hits.hits.size()));
-    for (std::size_t i = 0; i < view.Hits.hits.size(); ++i)
-    {
-      scalars->SetValue(
-        static_cast<vtkIdType>(i), static_cast<float>(this->Surface->isovalues()[view.Hits.hits[i].surface]));
-    }
-  }
-  else
-  {
-    const std::shared_ptr<const treeamr::Field>& field = this->ColorSlot.acquire(grid, selection, false);
-    if (view.ColorField != field)
-    {
-      view.ColorValues = treeamr::valuesAtHits(field, *view.Camera, view.Hits);
-      view.ColorField = field;
-    }
-    scalars->SetArray(
-      view.ColorValues.data(), static_cast<vtkIdType>(view.ColorValues.size()), 1); // 1: stays ours
-  }
-
-  if (!self->UseLookupTableScalarRange)
-  {
-    table->SetRange(self->ScalarRange);
-  }
-  table->Build();
-  return vtkSmartPointer<vtkUnsignedCharArray>::Take(
-    table->MapScalars(scalars, VTK_COLOR_MODE_MAP_SCALARS, 0, VTK_RGBA));
+  return treeamr::mapValues(this, view.ColorValues);
 }
 
 //------------------------------------------------------------------------------
@@ -491,10 +439,9 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
     this->TraceVisibility(view, appearance.lights);
   }
 
-  const vtkSmartPointer<vtkUnsignedCharArray> colors = internals.MapColors(this, grid, view);
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
-    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(),
-    colors ? colors->GetPointer(0) : nullptr, internals.Image);
+    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid),
+    internals.Image);
   if (view.Layers == treeamr::SurfaceLayers::All && !vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
   {
     // VTK's order independent pass would average them.

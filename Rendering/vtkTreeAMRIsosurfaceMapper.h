@@ -49,8 +49,9 @@ class vtkHyperTreeGrid;
 
 namespace treeamr
 {
+class HitColors;
 struct Light;
-}
+} // namespace treeamr
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRIsosurfaceMapper : public vtkMapper
 {
@@ -147,6 +148,7 @@ private:
   vtkHyperTreeGrid* UpdateInput();
   void UpdateSurface(vtkHyperTreeGrid* grid);
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
+  treeamr::HitColors MapColors(View& view, vtkHyperTreeGrid* grid);
   void Shade(View& view, vtkHyperTreeGrid* grid);
   void TraceVisibility(View& view, const std::vector<treeamr::Light>& lights);
   void Select(View& view);

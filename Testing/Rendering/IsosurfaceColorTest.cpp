@@ -1,0 +1,296 @@
+// Colours of isosurfaces by arrays.
+#include "PlaneSurface.h"
+
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkLookupTable.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace treeamr::test;
+
+namespace
+{
+
+constexpr double eightBits = 1. / 255.;
+
+class IsosurfaceColorTest : public PlaneSurfaceTest
+{
+protected:
+  /// The surface coloured by `array`, unlit, and its pixels against colorOf(the point).
+  template <class ColorOf>
+  static void expectColors(Scene& scene, const ColorOf& colorOf, int atLeast = 150)
+  {
+    const auto pixels = scene.render();
+    int compared = 0;
+    for (int y = 0; y < scene.height(); ++y)
+    {
+      for (int x = 0; x < scene.width(); ++x)
+      {
+        const PixelRay ray = scene.ray(x, y);
+        const Point p = ray.at(Scene::meet(ray, center, normal));
+        Color expected;
+        if (!isInside(p) || !colorOf(p, expected))
+        {
+          continue;
+        }
+        ++compared;
+        for (int c = 0; c < 3; ++c)
+        {
+          // One entry of the table beside the expected one.
+          ASSERT_NEAR(pixels[static_cast<std::size_t>(y) * scene.width() + x][c], expected[c], 3. * eightBits)
+            << "channel " << c << " of pixel " << x << ", " << y;
+        }
+      }
+    }
+    EXPECT_GT(compared, atLeast);
+  }
+
+  static vtkSmartPointer<vtkLookupTable> makeTable(double min, double max)
+  {
+    auto table = vtkSmartPointer<vtkLookupTable>::New();
+    table->SetHueRange(0.05, 0.6);
+    table->SetTableRange(min, max);
+    table->SetNanColor(0.2, 0.1, 0.7, 1.);
+    table->Build();
+    return table;
+  }
+
+  static vtkTreeAMRIsosurfaceMapper* addColored(Scene& scene, vtkHyperTreeGrid* grid, const char* array)
+  {
+    vtkActor* actor = scene.addIsosurface(grid, "plane", 0.);
+    actor->GetProperty()->LightingOff();
+    actor->GetProperty()->SetAmbient(0.);
+    vtkTreeAMRIsosurfaceMapper* mapper = Scene::mapperOf(actor);
+    mapper->ScalarVisibilityOn();
+    mapper->SetScalarModeToUseCellFieldData();
+    mapper->SelectColorArray(array);
+    scene.setCamera();
+    return mapper;
+  }
+};
+
+} // namespace
+
+TEST_F(IsosurfaceColorTest, anotherArray)
+{
+  Scene scene;
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, planeGrid(), "x");
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  const auto byTable = [&](const Point& p, Color& color) {
+    table->GetColor(p[0], color.data());
+    return true;
+  };
+  expectColors(scene, byTable);
+  const vtkMTimeType built = mapper->GetSurfaceBuildTime();
+
+  mapper->SelectColorArray(1);
+  expectColors(scene, byTable);
+
+  // The mapper's own range.
+  mapper->UseLookupTableScalarRangeOff();
+  mapper->SetScalarRange(-0.4, 0.3);
+  expectColors(scene, byTable);
+  EXPECT_EQ(table->GetRange()[0], -0.4);
+  EXPECT_EQ(mapper->GetSurfaceBuildTime(), built);
+}
+
+TEST_F(IsosurfaceColorTest, activeScalars)
+{
+  Scene scene;
+  const auto grid = planeGrid();
+  grid->GetCellData()->SetActiveScalars("y");
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "x");
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  mapper->SetScalarModeToUseCellData();
+  const auto byTable = [&](const Point& p, Color& color) {
+    table->GetColor(p[1], color.data());
+    return true;
+  };
+  expectColors(scene, byTable);
+  mapper->SetScalarModeToDefault();
+  expectColors(scene, byTable);
+}
+
+TEST_F(IsosurfaceColorTest, theContouredArray)
+{
+  Scene scene;
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, planeGrid(), "plane");
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  expectColors(scene, [&](const Point&, Color& color) {
+    table->GetColor(0., color.data());
+    return true;
+  });
+}
+
+TEST_F(IsosurfaceColorTest, theContouredArrayWithSeveralIsovalues)
+{
+  Scene scene;
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, planeGrid(), "plane");
+  mapper->SetValue(0, -0.2);
+  mapper->SetValue(1, 0.);
+  mapper->SetValue(2, -0.5);
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  const auto color = [&](double value) {
+    return [&table, value](const Point&, Color& expected) {
+      table->GetColor(value, expected.data());
+      return true;
+    };
+  };
+  expectColors(scene, color(0.)); // the nearest
+  mapper->SetValue(1, -0.6);
+  mapper->SetValue(0, -0.7);
+  mapper->SetValue(2, 0.);
+  expectColors(scene, color(0.));
+}
+
+TEST_F(IsosurfaceColorTest, cellsWithoutAValue)
+{
+  Scene scene;
+  const auto grid = planeGrid();
+  vtkDataArray* values = grid->GetCellData()->GetArray("x");
+  for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
+  {
+    if (values->GetTuple1(i) > 0.25)
+    {
+      values->SetTuple1(i, std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "x");
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  int without = 0;
+  expectColors(
+    scene,
+    [&](const Point& p, Color& color) {
+      if (p[0] > 0.5)
+      {
+        ++without;
+        std::copy(table->GetNanColor(), table->GetNanColor() + 3, color.begin());
+        return true;
+      }
+      table->GetColor(p[0], color.data());
+      return p[0] < -0.01;
+    },
+    100);
+  EXPECT_GT(without, 20);
+}
+
+TEST_F(IsosurfaceColorTest, componentsOfVectors)
+{
+  Scene scene;
+  const auto grid = planeGrid();
+  vtkCellData* cells = grid->GetCellData();
+  vtkNew<vtkDoubleArray> vectors;
+  vectors->SetName("v");
+  vectors->SetNumberOfComponents(3);
+  for (vtkIdType i = 0; i < cells->GetArray("x")->GetNumberOfTuples(); ++i)
+  {
+    vectors->InsertNextTuple3(cells->GetArray("x")->GetTuple1(i), cells->GetArray("y")->GetTuple1(i), 0.);
+  }
+  cells->AddArray(vectors);
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "v");
+  const auto table = makeTable(-0.8, 0.9);
+  table->SetVectorModeToComponent();
+  table->SetVectorComponent(1);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  const auto byY = [&](const Point& p, Color& color) {
+    table->GetColor(p[1], color.data());
+    return true;
+  };
+  expectColors(scene, byY);
+  table->SetVectorModeToMagnitude();
+  mapper->ColorByArrayComponent("v", 1);
+  expectColors(scene, byY);
+}
+
+// A table whose entries meet at the isovalue or beside it: all points of the surface have the one colour that the table
+// has there, in double.
+TEST_F(IsosurfaceColorTest, fewTableValuesOfTheContouredArray)
+{
+  constexpr double isovalue = -0.3; // as float it lies below
+  Scene scene;
+  const auto grid = planeGrid();
+  vtkCellData* cells = grid->GetCellData();
+  vtkNew<vtkDoubleArray> vectors;
+  vectors->SetName("v");
+  vectors->SetNumberOfComponents(2);
+  for (vtkIdType i = 0; i < cells->GetArray("plane")->GetNumberOfTuples(); ++i)
+  {
+    vectors->InsertNextTuple2(0., cells->GetArray("plane")->GetTuple1(i));
+  }
+  cells->AddArray(vectors);
+  cells->SetActiveScalars("plane");
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "plane");
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(2);
+  table->SetTableRange(isovalue - 1., isovalue + 1.);
+  table->SetTableValue(0, 1., 0., 0.);
+  table->SetTableValue(1, 0., 0., 1.);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  const auto expectOneColor = [&](double value) {
+    mapper->SetValue(0, value);
+    Color expected;
+    table->GetColor(value, expected.data());
+    int compared = 0;
+    for (const auto& pixel : scene.render())
+    {
+      if (pixel[0] + pixel[2] > 0.01) // the background is black
+      {
+        ++compared;
+        ASSERT_NEAR(pixel[0], expected[0], eightBits / 2.);
+        ASSERT_NEAR(pixel[2], expected[2], eightBits / 2.);
+      }
+    }
+    EXPECT_GT(compared, 150);
+  };
+  ASSERT_NE(table->GetIndex(isovalue), table->GetIndex(static_cast<float>(isovalue)));
+  const auto expectIt = [&] {
+    expectOneColor(isovalue);
+    expectOneColor(std::nextafter(isovalue, -1.));
+  };
+  expectIt();
+  for (const int component : { -1, 0, 1 }) // of one there is
+  {
+    mapper->ColorByArrayComponent("plane", component);
+    expectIt();
+    mapper->ColorByArrayComponent(0, component);
+    expectIt();
+    mapper->SetIsosurfaceComponent(component > 0 ? 0 : component);
+    expectIt();
+  }
+  mapper->SetIsosurfaceComponent(-1);
+  mapper->SetScalarModeToUseCellData(); // the active scalars
+  expectIt();
+  table->SetVectorModeToComponent();
+  expectIt();
+
+  // Components and magnitudes of vectors; the magnitude of (0, f) is |f|.
+  mapper->SetScalarModeToUseCellFieldData();
+  mapper->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "v");
+  mapper->SetIsosurfaceComponent(1);
+  mapper->ColorByArrayComponent("v", 1);
+  expectIt();
+  mapper->ColorByArrayComponent("v", -1);
+  table->SetVectorComponent(1);
+  expectIt();
+  mapper->SetIsosurfaceComponent(-1);
+  table->SetVectorModeToMagnitude();
+  table->SetTableRange(-isovalue - 1., -isovalue + 1.);
+  expectOneColor(-isovalue);
+  mapper->SetIsosurfaceComponent(-2);
+  expectOneColor(std::nextafter(-isovalue, 0.));
+}
