@@ -6,16 +6,17 @@
 #include "Contour/Contour.h"
 #include "Error.h"
 #include "Interpolation/Sampler.h"
+#include "RayTracing/SurfaceFrame.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMath.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -104,26 +105,26 @@ void AddTriangles(const std::vector<Surface>& surfaces, vtkIdType count, vtkPoly
   output->SetPolys(polygons);
 }
 
-/// scale(gradient) is what to store of a gradient.
-template <class Scale>
-vtkSmartPointer<vtkFloatArray> GradientArray(
-  const std::vector<Surface>& surfaces, vtkIdType count, const char* name, const Scale& scale)
+/// A vector of each point: convert(its gradient).
+template <class Array, class Convert>
+vtkSmartPointer<Array> VectorArray(
+  const std::vector<Surface>& surfaces, vtkIdType count, const char* name, const Convert& convert)
 {
-  auto array = vtkSmartPointer<vtkFloatArray>::New();
+  auto array = vtkSmartPointer<Array>::New();
   array->SetName(name);
   array->SetNumberOfComponents(3);
   array->SetNumberOfTuples(count);
   for (const Surface& surface : surfaces)
   {
     const auto& gradients = surface.Mesh.gradients;
-    float* to = array->GetPointer(3 * surface.FirstPoint);
+    auto* to = array->GetPointer(3 * surface.FirstPoint);
     ForRanges(gradients.size(), [&](std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i)
       {
-        const double factor = scale(gradients[i]);
+        const std::array<double, 3> vector = convert(gradients[i]);
         for (int a = 0; a < 3; ++a)
         {
-          to[3 * i + a] = static_cast<float>(factor * gradients[i][a]);
+          to[3 * i + a] = static_cast<typename Array::ValueType>(vector[a]);
         }
       }
     });
@@ -331,15 +332,15 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   }
   if (this->ComputeGradients)
   {
-    pointData->SetVectors(GradientArray(surfaces, points, "Gradients", [](const auto&) { return 1.; }));
+    pointData->SetVectors(VectorArray<vtkDoubleArray>(
+      surfaces, points, "Gradients", [](const auto& gradient) { return gradient; }));
   }
   if (this->ComputeNormals)
   {
-    pointData->SetNormals(
-      GradientArray(surfaces, points, "Normals", [](const std::array<float, 3>& gradient) {
-        const double length = vtkMath::Norm(gradient.data());
-        return length > 0. ? -1. / length : 0.;
-      }));
+    pointData->SetNormals(VectorArray<vtkFloatArray>(surfaces, points, "Normals", [](const auto& gradient) {
+      const auto [x, y, z] = treeamr::normalized(gradient);
+      return std::array<double, 3>{ -x, -y, -z };
+    }));
   }
   vtkCellData* cells = input->GetCellData();
   for (int i = 0; i < cells->GetNumberOfArrays() && !this->GetAbortExecute(); ++i)

@@ -63,8 +63,8 @@ public:
 
   ///@{
   /**
-   * Whether to add "Gradients" in world coordinates: the mean of the trilinear pieces that meet at a point.
-   * Off by default.
+   * Whether to add "Gradients" in world coordinates: the mean of the trilinear pieces that meet at a point. Double
+   * precision, as differences of floats over short ways may be beyond float. Off by default.
    */
   vtkSetMacro(ComputeGradients, bool);
   vtkGetMacro(ComputeGradients, bool);

@@ -476,15 +476,15 @@ void BlockContour::addGradients(const Piece& piece, unsigned faces, ContourPart&
 }
 
 void BlockContour::addGradient(
-  const Piece& piece, const std::array<double, 3>& local, std::array<float, 4>& sum) const noexcept
+  const Piece& piece, const std::array<double, 3>& local, std::array<double, 4>& sum) const noexcept
 {
   const std::array<double, 3> gradient = trilinearGradient(values_, local);
   for (int a = 0; a < 3; ++a)
   {
     const double width = plane_[a][piece.low[a] + piece.width + 1] - plane_[a][piece.low[a] + 1];
-    sum[a] += static_cast<float>(gradient[a] / width);
+    sum[a] += gradient[a] / width;
   }
-  sum[3] += 1.f;
+  sum[3] += 1.;
 }
 
 void BlockContour::fillLoops(const Piece& piece, std::array<std::int8_t, 12>& next, ContourPart& part)

@@ -36,7 +36,7 @@ struct SharedCrossing
 struct ContourPart
 {
   std::vector<std::array<double, 3>> points;
-  std::vector<std::array<float, 4>> gradients; // sums and the number of summands
+  std::vector<std::array<double, 4>> gradients; // sums and the number of summands
   std::vector<SharedCrossing> shared;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TransitionLine> lines;
@@ -102,7 +102,7 @@ private:
   void nameCrossing(const Piece& piece, int edge, std::int64_t point, ContourPart& part) const;
   void addGradients(const Piece& piece, unsigned faces, ContourPart& part);
   void addGradient(
-    const Piece& piece, const std::array<double, 3>& local, std::array<float, 4>& sum) const noexcept;
+    const Piece& piece, const std::array<double, 3>& local, std::array<double, 4>& sum) const noexcept;
   void fillLoops(const Piece& piece, std::array<std::int8_t, 12>& next, ContourPart& part);
   void fillLoop(const Piece& piece, const std::array<int, 12>& loop, int count, ContourPart& part);
 

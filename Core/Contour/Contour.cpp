@@ -214,7 +214,7 @@ auto concatenated(std::vector<ContourPart>& parts, Member member)
 
 /// Joins what all parts say about one crossing.
 void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointNumbers& numbers,
-  std::vector<std::array<float, 4>>& gradients)
+  std::vector<std::array<double, 4>>& gradients)
 {
   sortByPlace(shared, octantDepth + 2, [](const SharedCrossing& s) { return s.middle; });
   for (std::size_t i = 0, owner = 0; i < shared.size(); ++i)

@@ -29,7 +29,7 @@ struct ContourMesh
 
   std::vector<std::array<double, 3>> points;          // world coordinates
   std::vector<std::array<std::int64_t, 3>> triangles; // of points
-  std::vector<std::array<float, 3>> gradients;        // at the points, per world coordinate; only on request
+  std::vector<std::array<double, 3>> gradients;       // at the points, per world coordinate; only on request
   std::vector<Block> blocks;                          // what interpolate() starts from
 };
 

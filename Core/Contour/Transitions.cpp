@@ -33,8 +33,8 @@ struct Closed
 {
   std::vector<std::array<std::int64_t, 3>> triangles; // of points of the mesh or ~ a centre
   std::vector<std::array<double, 3>> centres;
-  std::vector<std::array<float, 3>> gradients; // at the centres
-  std::vector<ContourMesh::Block> blocks;      // of the centres
+  std::vector<std::array<double, 3>> gradients; // at the centres
+  std::vector<ContourMesh::Block> blocks;       // of the centres
 };
 
 class Closing
@@ -248,11 +248,11 @@ private:
     const std::array<double, 3> local = loopCentre(pieceValues_, local_.data(), static_cast<int>(count));
     const std::array<double, 3> slope = trilinearGradient(pieceValues_, local);
     std::array<double, 3>& centre = closed_.centres.emplace_back();
-    std::array<float, 3>& gradient = closed_.gradients.emplace_back();
+    std::array<double, 3>& gradient = closed_.gradients.emplace_back();
     for (int a = 0; a < 3; ++a)
     {
       centre[a] = low[a] + local[a] * width[a];
-      gradient[a] = static_cast<float>(slope[a] / width[a]);
+      gradient[a] = slope[a] / width[a];
     }
   }
 

@@ -3,6 +3,7 @@
 
 #include "RayTracing/Camera.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -25,11 +26,26 @@ inline double dot(const Vec3& a, const Vec3& b) noexcept
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Zero stays zero.
-inline Vec3 normalized(const Vec3& v) noexcept
+/// Zero stays zero, and what is not finite becomes zero.
+inline Vec3 normalized(Vec3 v) noexcept
 {
-  const double length = std::sqrt(dot(v, v));
-  return length > 0. ? Vec3{ v[0] / length, v[1] / length, v[2] / length } : Vec3{};
+  double square = dot(v, v);
+  // Beyond these the squares of lengths that are numbers themselves lose digits or overflow.
+  if (!(square > 1e-280 && square < 1e300))
+  {
+    const double largest = std::max({ std::abs(v[0]), std::abs(v[1]), std::abs(v[2]) });
+    for (double& x : v)
+    {
+      x /= largest;
+    }
+    square = dot(v, v);
+    if (!(square >= 1.))
+    {
+      return {};
+    }
+  }
+  const double length = std::sqrt(square);
+  return { v[0] / length, v[1] / length, v[2] / length };
 }
 
 class SurfaceFrame

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 using namespace treeamr;
 
 TEST(SurfaceFrame, ShadesBySmoothNormalsOnTheSideThatIsSeen)
@@ -21,4 +24,21 @@ TEST(SurfaceFrame, ShadesBySmoothNormalsOnTheSideThatIsSeen)
   // No normal, and no gradient either.
   expectNear(frame.shadingNormal({ 0., 3., 4. }, {}, eye), { 0., 3., 4. });
   expectNear(frame.shadingNormal({}, {}, eye), eye);
+}
+
+TEST(SurfaceFrame, NormalizesVectorsOfAnyLength)
+{
+  for (const double length : { 5e-324, 1e-310, 1e-170, 1e-150, 1e-20, 1., 1e100, 1e155, 1e308 })
+  {
+    const Vec3 n = normalized({ -length, 0., length });
+    EXPECT_DOUBLE_EQ(n[0], -std::sqrt(0.5)) << length;
+    EXPECT_EQ(n[1], 0.) << length;
+    EXPECT_DOUBLE_EQ(n[2], std::sqrt(0.5)) << length;
+  }
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const Vec3& v : { Vec3{}, Vec3{ nan, 0., 1. }, Vec3{ 1e200, nan, 0. }, Vec3{ 1., -infinity, 0. } })
+  {
+    EXPECT_EQ(normalized(v), Vec3{});
+  }
 }

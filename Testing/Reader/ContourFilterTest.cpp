@@ -17,6 +17,7 @@
 #include "vtkExecutive.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkIdList.h"
+#include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -74,7 +75,7 @@ TEST(ContourFilter, GivesTheCoresSurfacesOneAfterTheOther)
       ASSERT_EQ(p, mesh.points[i]);
       ASSERT_EQ(scalars->GetTuple1(point), value);
       const auto& g = mesh.gradients[i];
-      const double length = std::sqrt(double(g[0]) * g[0] + double(g[1]) * g[1] + double(g[2]) * g[2]);
+      const double length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
       for (int a = 0; a < 3; ++a)
       {
         ASSERT_EQ(gradients->GetComponent(point, a), g[a]);
@@ -84,6 +85,64 @@ TEST(ContourFilter, GivesTheCoresSurfacesOneAfterTheOther)
   }
   EXPECT_EQ(point, output->GetNumberOfPoints());
   EXPECT_EQ(triangle, output->GetNumberOfPolys());
+}
+
+TEST(ContourFilter, NormalsHaveLengthOneForValuesAndCellsOfAnySize)
+{
+  const auto normalsOf = [](int value, const std::array<int, 3>& width, double offset) {
+    const auto grid = makeGrid({ .roots = { 2, 2, 2 } });
+    auto* scalar = vtkDoubleArray::SafeDownCast(grid->GetCellData()->GetArray("scalar"));
+    for (vtkIdType i = 0; i < scalar->GetNumberOfValues(); ++i)
+    {
+      scalar->SetValue(i, std::ldexp(scalar->GetValue(i) + offset, value));
+    }
+    const std::array<vtkDataArray*, 3> planes{ grid->GetXCoordinates(), grid->GetYCoordinates(),
+      grid->GetZCoordinates() };
+    for (int a = 0; a < 3; ++a)
+    {
+      for (vtkIdType i = 0; i < planes[a]->GetNumberOfTuples(); ++i)
+      {
+        planes[a]->SetTuple1(i, std::ldexp(planes[a]->GetTuple1(i), width[a]));
+      }
+    }
+    vtkNew<vtkTreeAMRContourFilter> filter;
+    filter->SetInputData(grid);
+    filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
+    filter->SetValue(0, std::ldexp(0.1 + offset, value));
+    filter->Update();
+    vtkSmartPointer<vtkDataArray> normals = filter->GetOutput()->GetPointData()->GetNormals();
+    EXPECT_GT(normals->GetNumberOfTuples(), 1000);
+    int wrong = 0;
+    for (vtkIdType i = 0; i < normals->GetNumberOfTuples(); ++i)
+    {
+      wrong += !(std::abs(vtkMath::Norm(normals->GetTuple3(i)) - 1.) < 1e-6);
+    }
+    EXPECT_EQ(wrong, 0) << "values times 2^" << value << ", widths times 2^" << width[0];
+    return normals;
+  };
+  const auto expected = normalsOf(0, {}, 0.);
+  const auto expectSame = [&](int value, const std::array<int, 3>& width) {
+    const auto found = normalsOf(value, width, 0.);
+    ASSERT_EQ(found->GetNumberOfTuples(), expected->GetNumberOfTuples());
+    for (vtkIdType i = 0; i < found->GetNumberOfTuples(); ++i)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        ASSERT_EQ(found->GetComponent(i, a), expected->GetComponent(i, a))
+          << "values times 2^" << value << ", widths times 2^" << width[0];
+      }
+    }
+  };
+  // To the bit: powers of two change no digit of normal floats.
+  for (const auto& [value, width] : { std::pair(-110, 0), { -110, 130 }, { -80, 0 }, { -80, 67 }, { 0, -130 },
+         { 0, 130 }, { 67, 0 }, { 100, -67 }, { 127, 0 }, { 127, -130 } })
+  {
+    expectSame(value, { width, width, width });
+  }
+  normalsOf(-145, {}, 0.); // a few denormals: steps
+  normalsOf(-60, { -60, 0, 60 }, 0.);
+  normalsOf(-110, { 40, 40, 40 }, 1e4);
+  normalsOf(100, { 40, 40, 40 }, 1e4);
 }
 
 TEST(ContourFilter, InterpolatesTheOtherArrays)
