@@ -119,6 +119,8 @@ vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
   };
   std::array<unsigned int, 3> roots;
   grid.GetCellDims(roots.data());
+  HyperTreeView tree;
+  tree.turned = turnedAxes(grid);
   std::array<unsigned int, 3> root;
   for (int a = 0; a < 3; ++a)
   {
@@ -127,11 +129,10 @@ vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
     {
       throw noCell();
     }
-    root[a] = static_cast<unsigned int>(place);
+    root[a] = static_cast<unsigned int>(turnedRoot(place, roots[a], tree.turned >> a & 1));
   }
   vtkIdType treeId = 0;
   grid.GetIndexFromLevelZeroCoordinates(treeId, root[0], root[1], root[2]);
-  HyperTreeView tree;
   tree.tree = grid.GetTree(treeId);
   if (!tree.tree)
   {

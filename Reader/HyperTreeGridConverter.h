@@ -34,9 +34,9 @@ struct ArraySelection
 /// the result while the input's MTime stays. Safe from several threads while none changes the grid.
 ///
 /// Throws Error when the grid is null, has no tree or no drawable cell, is not three-dimensional, has a
-/// branch factor other than 2 or material interfaces, when its coordinates are not finite and strictly
-/// increasing, when it is too deep for RootGrid, and when the array does not exist, is not numeric, is too
-/// short or has no such component.
+/// branch factor other than 2 or material interfaces, when its coordinates along an axis are not finite or
+/// neither strictly increase nor strictly decrease (a mirrored grid), when it is too deep for RootGrid, and when
+/// the array does not exist, is not numeric, is too short or has no such component.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
 

@@ -189,7 +189,7 @@ private:
     topology_.checkDepth(level); // bounds the recursion
     for (int o = 0; o < 8; ++o)
     {
-      addLeaves(tree, tree.child(vertex, o), level + 1, weight / 8., sum);
+      addLeaves(tree, tree.firstChild(vertex) + o, level + 1, weight / 8., sum);
     }
   }
 

@@ -10,10 +10,70 @@
 #include "vtkUniformHyperTreeGrid.h"
 #include "vtkUnsignedCharArray.h"
 
+#include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <string>
 
 namespace treeamr
 {
+
+namespace
+{
+
+/// Not of a vtkUniformHyperTreeGrid, whose GetXCoordinates() prints a complaint and writes to the grid.
+std::array<vtkDataArray*, 3> coordinatesOf(vtkHyperTreeGrid& grid)
+{
+  return { grid.GetXCoordinates(), grid.GetYCoordinates(), grid.GetZCoordinates() };
+}
+
+void checkPlanes(const std::vector<double>& planes, const std::string& axis)
+{
+  const auto fail = [&](std::size_t i) {
+    std::ostringstream message;
+    message.precision(std::numeric_limits<double>::max_digits10);
+    message << "hyper tree grid: coordinate " << i << " along " << axis << " is " << planes[i];
+    if (i > 0)
+    {
+      message << " after " << planes[i - 1];
+    }
+    message << "; coordinates must be finite and strictly increase or strictly decrease";
+    throw Error(message.str());
+  };
+  for (std::size_t i = 0; i < planes.size(); ++i)
+  {
+    if (!std::isfinite(planes[i]) || !std::isfinite(planes[i] - planes[0]))
+    {
+      fail(i);
+    }
+  }
+  const bool increase = planes.back() > planes.front();
+  for (std::size_t i = 1; i < planes.size(); ++i)
+  {
+    if (increase ? planes[i] <= planes[i - 1] : planes[i] >= planes[i - 1])
+    {
+      fail(i);
+    }
+  }
+}
+
+} // namespace
+
+int turnedAxes(vtkHyperTreeGrid& grid)
+{
+  int turned = 0;
+  auto* uniform = vtkUniformHyperTreeGrid::SafeDownCast(&grid);
+  const auto coordinates = uniform ? std::array<vtkDataArray*, 3>{} : coordinatesOf(grid);
+  for (int a = 0; a < 3; ++a)
+  {
+    const vtkIdType last = static_cast<vtkIdType>(grid.GetDimensions()[a]) - 1;
+    const bool decrease = uniform
+      ? uniform->GetGridScale()[a] < 0.
+      : coordinates[a]->GetComponent(last, 0) < coordinates[a]->GetComponent(0, 0);
+    turned |= static_cast<int>(decrease) << a;
+  }
+  return turned;
+}
 
 std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
 {
@@ -25,28 +85,26 @@ std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
   std::array<std::vector<double>, 3> planes;
   const unsigned int* count = grid.GetDimensions();
   auto* uniform = vtkUniformHyperTreeGrid::SafeDownCast(&grid);
+  const auto coordinates = uniform ? std::array<vtkDataArray*, 3>{} : coordinatesOf(grid);
   for (int a = 0; a < 3; ++a)
   {
-    planes[a].resize(count[a]);
-    if (uniform) // whose GetXCoordinates() prints a complaint and writes to the grid
-    {
-      for (std::size_t i = 0; i < planes[a].size(); ++i)
-      {
-        planes[a][i] = uniform->GetOrigin()[a] + static_cast<double>(i) * uniform->GetGridScale()[a];
-      }
-      continue;
-    }
-    const std::array<vtkDataArray*, 3> coordinates = { grid.GetXCoordinates(), grid.GetYCoordinates(),
-      grid.GetZCoordinates() };
+    const std::string axis(1, "xyz"[a]);
     const vtkIdType found = coordinates[a] ? coordinates[a]->GetNumberOfTuples() : 0;
-    if (found < static_cast<vtkIdType>(count[a]))
+    if (!uniform && found < static_cast<vtkIdType>(count[a]))
     {
-      throw Error("hyper tree grid: " + std::to_string(found) + " coordinates along " + "xyz"[a] +
+      throw Error("hyper tree grid: " + std::to_string(found) + " coordinates along " + axis +
         ", its dimensions need " + std::to_string(count[a]));
     }
+    planes[a].resize(count[a]);
     for (std::size_t i = 0; i < planes[a].size(); ++i)
     {
-      planes[a][i] = coordinates[a]->GetComponent(static_cast<vtkIdType>(i), 0);
+      planes[a][i] = uniform ? uniform->GetOrigin()[a] + static_cast<double>(i) * uniform->GetGridScale()[a]
+                             : coordinates[a]->GetComponent(static_cast<vtkIdType>(i), 0);
+    }
+    checkPlanes(planes[a], axis);
+    if (planes[a].back() < planes[a].front())
+    {
+      std::reverse(planes[a].begin(), planes[a].end());
     }
   }
   return planes;
@@ -68,6 +126,7 @@ std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
   const auto fresh = vtkSmartPointer<vtkHyperTree>::Take(vtkHyperTree::CreateInstance(2, 3));
   const std::size_t overhead = fresh->GetActualMemorySizeBytes() - sizeWithoutTable(*fresh);
 
+  const int turned = turnedAxes(grid);
   std::vector<HyperTreeView> trees;
   vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
   grid.InitializeTreeIterator(iterator);
@@ -88,7 +147,11 @@ std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
     HyperTreeView view;
     std::array<unsigned int, 3> root;
     grid.GetLevelZeroCoordinatesFromIndex(id, root[0], root[1], root[2]);
-    std::copy(root.begin(), root.end(), view.root.begin());
+    for (int a = 0; a < 3; ++a)
+    {
+      view.root[a] = turnedRoot(root[a], roots[a], turned >> a & 1);
+    }
+    view.turned = turned;
     view.tree = tree;
     view.vertexCount = tree->GetNumberOfVertices();
     view.elderChild = tree->GetElderChildIndexArray(view.elderChildCount);
@@ -148,11 +211,11 @@ vtkHyperTreeGrid& HyperTreeGridTopology::checked(vtkHyperTreeGrid* grid)
 void HyperTreeGridTopology::checkTrees() const
 {
   forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
-    if (!tree.isLeaf(v) && (tree.child(v, 0) <= v || tree.child(v, 7) >= tree.vertexCount))
+    if (!tree.isLeaf(v) && (tree.firstChild(v) <= v || tree.firstChild(v) + 7 >= tree.vertexCount))
     {
       throw Error("hyper tree grid: the children of vertex " + std::to_string(v) + " in the tree at root (" +
         std::to_string(tree.root[0]) + ", " + std::to_string(tree.root[1]) + ", " +
-        std::to_string(tree.root[2]) + ") start at vertex " + std::to_string(tree.child(v, 0)) +
+        std::to_string(tree.root[2]) + ") start at vertex " + std::to_string(tree.firstChild(v)) +
         ", allowed are " + std::to_string(v + 1) + " to " + std::to_string(tree.vertexCount - 8));
     }
   });
@@ -350,6 +413,7 @@ ContentDigest HyperTreeGridTopology::octreeDigest() const
     {
       ofTrees[t].add(static_cast<std::uint64_t>(c));
     }
+    ofTrees[t].add(static_cast<std::uint64_t>(tree.turned));
     ofTrees[t].add(static_cast<std::uint64_t>(tree.vertexCount));
     ofTrees[t].addBytes(tree.elderChild, tree.elderChildCount * sizeof(unsigned int));
   });

@@ -1,6 +1,10 @@
 // The trees of a vtkHyperTreeGrid, checked once and then safe to read from several threads. Private to the
 // converter.
 //
+// Along an axis with decreasing coordinates, as in the mirrored grids of vtkHyperTreeGridAxisReflection, roots and
+// octants are counted from the other end: places are always in the order of increasing coordinates. Vertices and
+// global indices stay those of the grid.
+//
 // Read directly from the storage behind vtkHyperTree: VTK's cursors are not thread-safe and cost an object
 // each. A vertex that is not drawn (masked, hidden, without a finite value) is marked in one byte per vertex;
 // the bytes exist only when the grid has such vertices or ghosts.
@@ -33,6 +37,7 @@ namespace treeamr
 struct HyperTreeView
 {
   std::array<Coord, 3> root{}; // on the root lattice
+  int turned = 0;              // turnedAxes() of the grid
   vtkHyperTree* tree = nullptr;
   vtkIdType vertexCount = 0;
   const unsigned int* elderChild = nullptr; // [elderChildCount]; a vertex beyond is a leaf
@@ -46,9 +51,11 @@ struct HyperTreeView
     return static_cast<std::size_t>(vertex) >= elderChildCount || vertexCount == 1 ||
       elderChild[vertex] == std::numeric_limits<unsigned int>::max();
   }
+  /// Of the eight, one after the other, of a coarse vertex.
+  vtkIdType firstChild(vtkIdType vertex) const noexcept { return static_cast<vtkIdType>(elderChild[vertex]); }
   vtkIdType child(vtkIdType vertex, int octant) const noexcept
   {
-    return static_cast<vtkIdType>(elderChild[vertex]) + octant;
+    return firstChild(vertex) + (octant ^ turned);
   }
   /// The place of the vertex's value in the cell arrays.
   vtkIdType globalIndex(vtkIdType vertex) const
@@ -57,7 +64,17 @@ struct HyperTreeView
   }
 };
 
-/// The coordinates of the planes between roots. Throws Error for a grid that is not three-dimensional.
+/// Mask of the axes along which coordinates decrease.
+int turnedAxes(vtkHyperTreeGrid& grid);
+
+/// A root's index along an axis on the grid's own lattice from that on the root lattice, and back.
+inline Coord turnedRoot(Coord index, Coord roots, bool isTurned) noexcept
+{
+  return isTurned ? roots - 1 - index : index;
+}
+
+/// The coordinates of the planes between roots, increasing. Throws Error for a grid that is not three-dimensional and
+/// for coordinates that are not finite or neither strictly increase nor strictly decrease.
 std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid);
 
 /// The trees that the grid holds, in the order of their places (x fastest). Throws Error for a tree that is

@@ -158,6 +158,26 @@ TEST(FieldCache, SeesTheCoordinatesChanged)
   EXPECT_EQ(after->octree().grid().bounds().max[1], 2.);
 }
 
+TEST(FieldCache, TellsMirroredGridsApart)
+{
+  const auto grid = makeUniformlyRefinedGrid(1);
+  vtkNew<vtkDoubleArray> turned;
+  turned->InsertNextValue(1.);
+  turned->InsertNextValue(0.);
+  const auto mirrored = vtkSmartPointer<vtkHyperTreeGrid>::New();
+  mirrored->ShallowCopy(grid);
+  mirrored->SetXCoordinates(turned);
+  const auto before = acquireField(grid, { "scalar" }, false);
+  const auto after = acquireField(mirrored, { "scalar" }, false);
+  EXPECT_EQ(after->octree().grid().bounds().max[0], 1.);
+  for (int o = 0; o < 8; ++o)
+  {
+    const auto value = [o](const Field& f) { return f.value(f.octree().child(f.octree().root(), o)); };
+    EXPECT_EQ(value(*before), 2. + o);
+    EXPECT_EQ(value(*after), 2. + (o ^ 1));
+  }
+}
+
 TEST(FieldCache, SeesTheMapOfIndicesChanged)
 {
   const auto grid = makeUniformlyRefinedGrid(1);

@@ -72,20 +72,27 @@ void expectError(
   EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 
+double lowerCorner(vtkHyperTreeGridNonOrientedGeometryCursor* cursor, int axis)
+{
+  return std::min(cursor->GetOrigin()[axis], cursor->GetOrigin()[axis] + cursor->GetSize()[axis]);
+}
+
 /// Compares the global indices of a vertex and of those below it, and returns their number.
 int expectSameIndices(vtkHyperTreeGrid* grid, vtkHyperTreeGridNonOrientedGeometryCursor* cursor,
   const RootGrid& rootGrid, const CellId& cell)
 {
   const Bounds bounds = rootGrid.nodeBounds(cell.index, rootGrid.paddingDepth() + cell.level);
+  int mirrored = 0;
   for (int a = 0; a < 3; ++a)
   {
-    EXPECT_EQ(bounds.min[a], cursor->GetOrigin()[a]);
+    EXPECT_EQ(bounds.min[a], lowerCorner(cursor, a));
+    mirrored |= (cursor->GetSize()[a] < 0.) << a;
   }
   EXPECT_EQ(globalIndex(*grid, cell), cursor->GetGlobalNodeIndex());
   int compared = 1;
   for (int child = 0; !cursor->IsMasked() && !cursor->IsLeaf() && child < 8; ++child)
   {
-    cursor->ToChild(static_cast<unsigned char>(child));
+    cursor->ToChild(static_cast<unsigned char>(child ^ mirrored));
     const CellId below{ { 2 * cell.index[0] + (child & 1), 2 * cell.index[1] + (child >> 1 & 1),
                           2 * cell.index[2] + (child >> 2) },
       cell.level + 1 };
@@ -153,7 +160,7 @@ TEST_P(ConvertedGrid, KnowsTheGlobalIndicesOfCells)
       CellId root;
       for (int a = 0; a < 3; ++a)
       {
-        while (rootGrid.worldPlane(a, root.index[a], 0) < cursor->GetOrigin()[a])
+        while (rootGrid.worldPlane(a, root.index[a], 0) < lowerCorner(cursor, a))
         {
           ++root.index[a];
         }
@@ -186,6 +193,12 @@ INSTANTIATE_TEST_SUITE_P(Random, ConvertedGrid,
       "MaskedGhostsNotFinite", { .masked = 0.1, .ghosts = 0.1, .notFinite = 0.1, .explicitIndices = true } },
     GridCase{ "Uniform", { .uniform = true } },
     GridCase{ "UniformMaskedLimited", { .masked = 0.1, .uniform = true, .depthLimit = 2 } },
+    GridCase{ "MirroredX", { .mirrored = 1 } }, GridCase{ "MirroredY", { .mirrored = 2 } },
+    GridCase{ "MirroredZ", { .mirrored = 4, .transposedRoots = true } },
+    GridCase{ "MirroredXY", { .mirrored = 3, .explicitIndices = true } },
+    GridCase{ "MirroredXZ", { .roots = { 5, 1, 3 }, .missingTrees = 0.3, .mirrored = 5 } },
+    GridCase{ "MirroredYZ", { .masked = 0.15, .ghosts = 0.15, .mirrored = 6 } },
+    GridCase{ "MirroredXYZUniform", { .masked = 0.1, .uniform = true, .mirrored = 7, .depthLimit = 2 } },
     GridCase{ "LimitedToRoots", { .depthLimit = 0 } }, GridCase{ "LimitedToOne", { .depthLimit = 1 } },
     GridCase{ "LimitBeyondTheTrees", { .depthLimit = 40 } },
     GridCase{ "Everything",
@@ -193,6 +206,15 @@ INSTANTIATE_TEST_SUITE_P(Random, ConvertedGrid,
         .masked = 0.15,
         .ghosts = 0.15,
         .notFinite = 0.15,
+        .transposedRoots = true,
+        .explicitIndices = true,
+        .depthLimit = 3 } },
+    GridCase{ "EverythingMirrored",
+      { .missingTrees = 0.2,
+        .masked = 0.15,
+        .ghosts = 0.15,
+        .notFinite = 0.15,
+        .mirrored = 7,
         .transposedRoots = true,
         .explicitIndices = true,
         .depthLimit = 3 } }),
@@ -362,17 +384,17 @@ TEST(Converter, KeepsRootsThatCursorsPlaceFarApart)
 
 TEST(LocalBounds, AreThoseOfTheTreesHeld)
 {
-  for (const bool uniform : { false, true })
+  for (const auto& [uniform, mirrored] : { std::pair(false, 0), { true, 0 }, { false, 5 }, { true, 2 } })
   {
-    const auto grid = makeGrid({ .roots = { 4, 3, 2 }, .uniform = uniform });
+    const auto grid = makeGrid({ .roots = { 4, 3, 2 }, .uniform = uniform, .mirrored = mirrored });
     const auto part = vtkSmartPointer<vtkHyperTreeGrid>::Take(grid->NewInstance());
     part->CopyEmptyStructure(grid);
     vtkIdType id = 0;
     grid->GetIndexFromLevelZeroCoordinates(id, 2, 1, 1);
     part->SetTree(id, grid->GetTree(id));
-    double expectedMin[3];
-    double expectedSize[3];
-    grid->GetLevelZeroOriginAndSizeFromIndex(id, expectedMin, expectedSize);
+    double origin[3];
+    double size[3];
+    grid->GetLevelZeroOriginAndSizeFromIndex(id, origin, size);
     if (auto* u = vtkUniformHyperTreeGrid::SafeDownCast(part))
     {
       auto* from = vtkUniformHyperTreeGrid::SafeDownCast(grid);
@@ -383,8 +405,8 @@ TEST(LocalBounds, AreThoseOfTheTreesHeld)
     computeLocalBounds(part, bounds);
     for (int a = 0; a < 3; ++a)
     {
-      EXPECT_DOUBLE_EQ(bounds[2 * a], expectedMin[a]);
-      EXPECT_DOUBLE_EQ(bounds[2 * a + 1], expectedMin[a] + expectedSize[a]);
+      EXPECT_DOUBLE_EQ(bounds[2 * a], std::min(origin[a], origin[a] + size[a]));
+      EXPECT_DOUBLE_EQ(bounds[2 * a + 1], std::max(origin[a], origin[a] + size[a]));
     }
   }
 }
@@ -448,8 +470,11 @@ TEST(ConverterError, NamesBadCoordinates)
   const auto without = makeGrid({});
   without->SetYCoordinates(nullptr);
   expectError(without, "0 coordinates along y");
+  expectError(withX({ 2., 0., 1. }), "coordinate 2 along x is 1 after 0");
+  expectError(withX({ 2., 1., 1. }), "coordinate 2 along x");
+  expectError(withX({ 2., 1., std::nan("") }), "coordinate 2 along x");
   const auto uniform = makeGrid({ .uniform = true });
-  vtkUniformHyperTreeGrid::SafeDownCast(uniform)->SetGridScale(1., -1., 1.);
+  vtkUniformHyperTreeGrid::SafeDownCast(uniform)->SetGridScale(1., 0., 1.);
   expectError(uniform, "along y");
 }
 

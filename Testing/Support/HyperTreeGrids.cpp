@@ -60,7 +60,7 @@ void refineRandomly(vtkHyperTree* tree, vtkIdType vertex, unsigned int level, do
   }
 }
 
-void setCoordinates(vtkHyperTreeGrid* grid, const std::array<int, 3>& roots)
+void setCoordinates(vtkHyperTreeGrid* grid, const std::array<int, 3>& roots, int mirrored)
 {
   for (int a = 0; a < 3; ++a)
   {
@@ -68,7 +68,7 @@ void setCoordinates(vtkHyperTreeGrid* grid, const std::array<int, 3>& roots)
     double x = -1. + a;
     for (int i = 0; i <= roots[a]; ++i)
     {
-      planes->InsertNextValue(x);
+      planes->InsertNextValue(mirrored >> a & 1 ? -x : x);
       x += 0.75 + 0.25 * ((i + a) % 3);
     }
     a == 0     ? grid->SetXCoordinates(planes)
@@ -214,8 +214,8 @@ private:
     const double* size = cursor->GetSize();
     for (int a = 0; a < 3; ++a)
     {
-      cell.bounds[a] = origin[a];
-      cell.bounds[3 + a] = origin[a] + size[a];
+      cell.bounds[a] = std::min(origin[a], origin[a] + size[a]);
+      cell.bounds[3 + a] = std::max(origin[a], origin[a] + size[a]);
     }
     if (cursor->IsLeaf())
     {
@@ -227,7 +227,7 @@ private:
         std::abs(cell.value) <= std::numeric_limits<float>::max();
       if (drawn && merged)
       {
-        const double volume = size[0] * size[1] * size[2];
+        const double volume = std::abs(size[0] * size[1] * size[2]);
         merged->sum += volume * cell.value;
         merged->volume += volume;
         merged->allGhosts = merged->allGhosts && cell.ghost;
@@ -292,14 +292,15 @@ vtkSmartPointer<vtkHyperTreeGrid> makeGrid(const RandomHyperTreeGrid& options)
   if (options.uniform)
   {
     const auto uniform = vtkSmartPointer<vtkUniformHyperTreeGrid>::New();
-    uniform->SetOrigin(-1., 2., 0.5);
-    uniform->SetGridScale(0.5, 1.25, 2.);
+    const auto side = [&](int axis) { return options.mirrored >> axis & 1 ? -1. : 1.; };
+    uniform->SetOrigin(side(0) * -1., side(1) * 2., side(2) * 0.5);
+    uniform->SetGridScale(side(0) * 0.5, side(1) * 1.25, side(2) * 2.);
     grid = uniform;
   }
   else
   {
     grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
-    setCoordinates(grid, options.roots);
+    setCoordinates(grid, options.roots, options.mirrored);
   }
   grid->SetBranchFactor(2);
   grid->SetDimensions(options.roots[0] + 1, options.roots[1] + 1, options.roots[2] + 1);

@@ -29,6 +29,7 @@ struct RandomHyperTreeGrid
   double ghosts = 0.;            // probability each of DUPLICATECELL and HIDDENCELL, on coarse vertices too
   double notFinite = 0.;         // probability that a value of array "scalar" is NaN or infinite
   bool uniform = false;          // a vtkUniformHyperTreeGrid
+  int mirrored = 0;              // mask of axes, as vtkHyperTreeGridAxisReflection leaves them: x becomes -x
   bool transposedRoots = false;  // TransposedRootIndexing
   bool explicitIndices = false;  // a shuffled table of global indices
   unsigned int depthLimit = ~0u; // DepthLimiter
