@@ -1,6 +1,7 @@
 #include "vtkTreeAMRRepresentation.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkCommand.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkHyperTreeGrid.h"
@@ -96,6 +97,7 @@ int vtkTreeAMRRepresentation::FillInputPortInformation(int vtkNotUsed(port), vtk
 int vtkTreeAMRRepresentation::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
+  this->HasExecuted = true;
   // A copy, because a source fills its output object again while the view may still cache this time step.
   this->Grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
   vtkMath::UninitializeBounds(this->LocalBounds);
@@ -138,14 +140,26 @@ std::string vtkTreeAMRRepresentation::GetColorArrayName()
 int vtkTreeAMRRepresentation::ProcessViewRequest(
   vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo)
 {
+  this->HasExecuted = false;
+  const bool isDue = request == vtkPVView::REQUEST_UPDATE() && this->GetNeedsUpdate();
   if (!this->Superclass::ProcessViewRequest(request, inInfo, outInfo))
   {
     return 0;
   }
+  if (isDue && !this->HasExecuted && !vtkPVView::SafeDownCast(this->GetView())->IsCached(this))
+  {
+    // The input failed, of which ParaView's pipelines do not tell their proxy: it would wait for this update's end
+    // for ever, and have no other when the input is mended.
+    this->InvokeEvent(vtkCommand::UpdateDataEvent);
+  }
   if (request == vtkPVView::REQUEST_UPDATE())
   {
+    this->UpdateFromAllRanks();
     vtkPVRenderView::SetPiece(inInfo, this, this->Grid);
     vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(inInfo, this, false, false);
+    // Until the next render the mapper has the last one's grid or none, for which a vtkVolume answers with the box
+    // from -1 to 1: the view would add either to the bounds reported here.
+    this->GetProp()->UseBoundsOff();
     vtkNew<vtkMatrix4x4> matrix;
     this->GetProp()->GetMatrix(matrix);
     vtkPVRenderView::SetGeometryBounds(inInfo, this, this->LocalBounds, matrix);
@@ -165,6 +179,7 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   {
     vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this);
     this->UpdateMapper(producer);
+    this->GetProp()->UseBoundsOn();
     // The mappers report a grid without trees as an error, but many ranks may have nothing to draw.
     this->GetProp()->SetVisibility(this->GetVisibility() && hasTrees(producer));
   }

@@ -45,6 +45,9 @@ protected:
   virtual vtkProp3D* GetProp() = 0;
   /// Whether the prop blends, so that ranks must be composited in the order of their depth.
   virtual bool NeedsOrderedCompositing() = 0;
+  /// In every update of the view, on every rank, whether or not its pipeline has run: the place for what ranks decide
+  /// together, as a reader that failed on one of them must not leave the others waiting.
+  virtual void UpdateFromAllRanks() {}
   /// Before each render: connect the mapper and bring it up to date with the representation.
   virtual void UpdateMapper(vtkAlgorithmOutput* grid) = 0;
 
@@ -67,6 +70,7 @@ private:
   void operator=(const vtkTreeAMRRepresentation&) = delete;
 
   double LocalBounds[6];
+  bool HasExecuted = false; // RequestData(), in this update of the view
 };
 
 #endif

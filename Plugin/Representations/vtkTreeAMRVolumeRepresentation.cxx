@@ -49,16 +49,7 @@ vtkProp3D* vtkTreeAMRVolumeRepresentation::GetProp()
 }
 
 //------------------------------------------------------------------------------
-int vtkTreeAMRVolumeRepresentation::RequestData(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  const int result = this->Superclass::RequestData(request, inputVector, outputVector);
-  this->UpdateDefaults();
-  return result;
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::UpdateDefaults()
+void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
 {
   this->DefaultArrayName.clear();
   // The least value and the negative of the greatest: one reduction over the ranks serves both.
@@ -87,6 +78,12 @@ void vtkTreeAMRVolumeRepresentation::UpdateDefaults()
   }
   const double low = global[0] != none ? global[0] : 0.;
   const double high = global[0] != none ? -global[1] : 1.;
+  if (this->DefaultColor->GetSize() > 0 && this->DefaultRange[0] == low && this->DefaultRange[1] == high)
+  {
+    return;
+  }
+  this->DefaultRange[0] = low;
+  this->DefaultRange[1] = high;
   // The ends of ParaView's own default, "Cool to Warm".
   this->DefaultColor->RemoveAllPoints();
   this->DefaultColor->AddRGBPoint(low, 0.231373, 0.298039, 0.752941);

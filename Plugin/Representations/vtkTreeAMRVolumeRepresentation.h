@@ -74,15 +74,12 @@ protected:
 
   vtkProp3D* GetProp() override;
   bool NeedsOrderedCompositing() override { return true; }
+  void UpdateFromAllRanks() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
-  int RequestData(
-    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
 
 private:
   vtkTreeAMRVolumeRepresentation(const vtkTreeAMRVolumeRepresentation&) = delete;
   void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
-
-  void UpdateDefaults();
 
   vtkNew<vtkVolume> Volume;
   vtkNew<vtkVolumeProperty> Property;
@@ -90,6 +87,7 @@ private:
   vtkSmartPointer<vtkColorTransferFunction> Color;
   vtkSmartPointer<vtkPiecewiseFunction> ScalarOpacity;
   std::string DefaultArrayName;
+  double DefaultRange[2] = { 0., 0. };
   vtkNew<vtkColorTransferFunction> DefaultColor;
   vtkNew<vtkPiecewiseFunction> DefaultScalarOpacity;
 };

@@ -1,94 +1,67 @@
 """Drafts, still frames and selections that a server renders, on one rank or more, for a client.
 
-TestServer.py <client command>... -- <server command>...
+TestServer.py <port>                      a client of serve.py
 """
 
-import socket
-import subprocess
 import sys
 
+import numpy
+from paraview import servermanager, simple
 
-def serve(client, server):
-    with socket.socket() as free:
-        free.bind(("localhost", 0))
-        port = str(free.getsockname()[1])
-    # It ends when the client does.
-    with subprocess.Popen(server + ["--server-port=" + port], text=True, stdout=subprocess.PIPE) as process:
-        try:
-            for line in process.stdout:
-                if "Accepting connection" in line:
-                    break
-            subprocess.run(client + [__file__, "--client", port], check=True)
-        except BaseException:
-            process.kill()
-            raise
+import scene
 
+simple.Connect("localhost", int(sys.argv[1]))
+view = scene.view()
+# ParaView's own ways to make interactive frames cheap.
+view.ImageReductionFactor = 1
+view.CompressorConfig = "NULL"
+source = simple.HyperTreeGridRandom(Dimensions=[5, 5, 5], OutputBounds=[-1, 1, -1, 1, -1, 1])
+representation = simple.Show(source, view)
+simple.ColorBy(representation, ("CELLS", "Depth"))
+representation.SetRepresentationType("Tree AMR Volume")
+representation.InteractiveRenderTime = 1e-9
+scene.look(view)
+simple.Render(view)
+still = scene.shown(view.GetRenderWindow())
+assert scene.drawn(still).mean() > 0.1
 
-def use(port):
-    import numpy
-    from paraview import servermanager, simple
+view.SMProxy.InteractiveRender()
+draft = scene.shown(view.GetRenderWindow())
+print("mean difference of the draft:", numpy.abs(draft - still).mean())
+assert numpy.abs(draft - still).mean() > 1
+simple.Render(view)
+assert (scene.shown(view.GetRenderWindow()) == still).all()
 
-    import scene
+representation.AutoAdjustSampleDistances = 0
+view.SMProxy.InteractiveRender()
+assert (scene.shown(view.GetRenderWindow()) == still).all()
 
-    simple.Connect("localhost", port)
-    view = scene.view()
-    # ParaView's own ways to make interactive frames cheap.
-    view.ImageReductionFactor = 1
-    view.CompressorConfig = "NULL"
-    source = simple.HyperTreeGridRandom(Dimensions=[5, 5, 5], OutputBounds=[-1, 1, -1, 1, -1, 1])
-    representation = simple.Show(source, view)
-    simple.ColorBy(representation, ("CELLS", "Depth"))
-    representation.SetRepresentationType("Tree AMR Volume")
-    representation.InteractiveRenderTime = 1e-9
-    scene.look(view)
-    simple.Render(view)
-    still = scene.shown(view.GetRenderWindow())
-    assert scene.drawn(still).mean() > 0.1
+# Estimated by the server, the same whether one or two processes draw the picture.
+assert representation.EstimatedError == -1
+representation.EstimateError = 1
+simple.Render(view)
+print("estimated error:", representation.EstimatedError, "in", representation.FrameSeconds, "s")
+assert abs(representation.EstimatedError - 9e-3) < 5e-4
+representation.SMProxy.UpdatePropertyInformation()
+assert abs(representation.SMProxy.GetProperty("EstimatedError").GetElement(0) - 9e-3) < 5e-4
+assert representation.FrameSeconds > 0
 
-    view.SMProxy.InteractiveRender()
-    draft = scene.shown(view.GetRenderWindow())
-    print("mean difference of the draft:", numpy.abs(draft - still).mean())
-    assert numpy.abs(draft - still).mean() > 1
-    simple.Render(view)
-    assert (scene.shown(view.GetRenderWindow()) == still).all()
-
-    representation.AutoAdjustSampleDistances = 0
-    view.SMProxy.InteractiveRender()
-    assert (scene.shown(view.GetRenderWindow()) == still).all()
-
-    # Estimated by the server, the same whether one or two processes draw the picture.
-    assert representation.EstimatedError == -1
-    representation.EstimateError = 1
-    simple.Render(view)
-    print("estimated error:", representation.EstimatedError, "in", representation.FrameSeconds, "s")
-    assert abs(representation.EstimatedError - 9e-3) < 5e-4
-    representation.SMProxy.UpdatePropertyInformation()
-    assert abs(representation.SMProxy.GetProperty("EstimatedError").GetElement(0) - 9e-3) < 5e-4
-    assert representation.FrameSeconds > 0
-
-    representation.SetRepresentationType("Tree AMR Isosurface")
-    simple.Render(view)
-    surface = scene.drawn(scene.shown(view.GetRenderWindow()))
-    assert surface.mean() > 0.1
-    simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=view)
-    selection = servermanager._getPyProxy(source.GetSelectionInput(0))
-    selected = selection.Input[0].IDs
-    processes, cells = selected[::2], selected[1::2]
-    print("cells selected:", len(cells), "of processes", set(processes))
-    assert set(processes) == set(range(servermanager.ActiveConnection.GetNumberOfDataPartitions()))
-    assert len(set(zip(processes, cells))) == len(cells) > 1000
-    # They are where the surface is seen.
-    marked = simple.ExtractSelection(Input=source, Selection=selection, PreserveTopology=1)
-    threshold = simple.Threshold(
-        Input=marked, Scalars=["CELLS", "vtkInsidedness"], LowerThreshold=1, UpperThreshold=1)
-    simple.Hide(source, view)
-    simple.Show(threshold, view).SetRepresentationType("Surface")
-    simple.Render(view)
-    assert scene.drawn(scene.shown(view.GetRenderWindow()))[surface].all()
-
-
-if sys.argv[1] == "--client":
-    use(int(sys.argv[2]))
-else:
-    separator = sys.argv.index("--")
-    serve(sys.argv[1:separator], sys.argv[separator + 1:])
+representation.SetRepresentationType("Tree AMR Isosurface")
+simple.Render(view)
+surface = scene.drawn(scene.shown(view.GetRenderWindow()))
+assert surface.mean() > 0.1
+simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=view)
+selection = servermanager._getPyProxy(source.GetSelectionInput(0))
+selected = selection.Input[0].IDs
+processes, cells = selected[::2], selected[1::2]
+print("cells selected:", len(cells), "of processes", set(processes))
+assert set(processes) == set(range(servermanager.ActiveConnection.GetNumberOfDataPartitions()))
+assert len(set(zip(processes, cells))) == len(cells) > 1000
+# They are where the surface is seen.
+marked = simple.ExtractSelection(Input=source, Selection=selection, PreserveTopology=1)
+threshold = simple.Threshold(
+    Input=marked, Scalars=["CELLS", "vtkInsidedness"], LowerThreshold=1, UpperThreshold=1)
+simple.Hide(source, view)
+simple.Show(threshold, view).SetRepresentationType("Surface")
+simple.Render(view)
+assert scene.drawn(scene.shown(view.GetRenderWindow()))[surface].all()
