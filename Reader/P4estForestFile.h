@@ -80,6 +80,10 @@ public:
   /// and what was visited before it must be thrown away.
   void visitQuadrants(const std::function<void(const P4estQuadrant&)>& visit) const;
 
+  /// Visits the payloads of all quadrants or, when these are more than `count`, of about as many in blocks
+  /// spread over the file. The quadrants are not checked.
+  void samplePayloads(std::uint64_t count, const std::function<void(const std::byte*)>& visit) const;
+
 private:
   std::string path_;
   P4estConnectivity connectivity_;

@@ -7,11 +7,15 @@
 #include "Error.h"
 #include "P4estForestFile.h"
 #include "P4estTreeLattice.h"
+#include "PayloadGuess.h"
 #include "PayloadLayout.h"
 
 #include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkDataArraySelection.h"
 #include "vtkDoubleArray.h"
+#include "vtkErrorCode.h"
 #include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
@@ -41,6 +45,9 @@ using treeamr::P4estForestFile;
 using treeamr::P4estQuadrant;
 using treeamr::PayloadField;
 using treeamr::PayloadType;
+
+constexpr const char* LevelName = "level";
+constexpr const char* TreeIdName = "treeid";
 
 // Fills one cell array, children before their parent.
 class ArrayFiller
@@ -118,7 +125,7 @@ class LevelFiller : public TypedFiller<unsigned char>
 {
 public:
   LevelFiller(vtkCellData* cellData, vtkIdType nodes)
-    : TypedFiller(cellData, "level", 1, nodes)
+    : TypedFiller(cellData, LevelName, 1, nodes)
   {
   }
   void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override
@@ -135,7 +142,7 @@ class TreeIdFiller : public TypedFiller<int>
 {
 public:
   TreeIdFiller(vtkCellData* cellData, vtkIdType nodes)
-    : TypedFiller(cellData, "treeid", 1, nodes)
+    : TypedFiller(cellData, TreeIdName, 1, nodes)
   {
   }
   void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override { *this->Tuple(node) = leaf.tree; }
@@ -267,22 +274,87 @@ std::string ExamplePayload(std::size_t size)
   {
     if (size % bytes == 0)
     {
-      return std::string(type) + " value[" + std::to_string(size / bytes) + "]";
+      const std::size_t count = size / bytes;
+      return std::string(type) + (count > 1 ? " value[" + std::to_string(count) + "]" : " value");
     }
   }
   return {};
 }
 
-// Throws Error when the layout does not describe what the file holds.
-std::vector<PayloadField> ReadPayloadText(const P4estForestFile& file, const std::string& text)
+// What a quadrant's bytes are read as, and what the user should know of it.
+struct PayloadReading
 {
+  std::vector<PayloadField> fields;
+  std::string remark;
+};
+
+// Without a layout.
+PayloadReading GuessPayload(const P4estForestFile& file)
+{
+  const std::size_t size = file.payloadSize();
+  if (size == 0)
+  {
+    return {};
+  }
+  const std::string bytes = "the " + std::to_string(size) + " bytes of each quadrant are ";
+  if (size != sizeof(double))
+  {
+    return { {},
+      bytes + "left out, for their layout is unknown: set Payload to it, for example \"" +
+        ExamplePayload(size) + "\"." };
+  }
+  constexpr std::uint64_t sampleSize = std::uint64_t(1) << 16; // 1.5 MiB
+  treeamr::DoubleGuess guess;
+  file.samplePayloads(sampleSize, [&guess](const std::byte* payload) { guess.add(payload); });
+  const std::string objection = guess.objection();
+  if (objection.empty())
+  {
+    return { { { "value", PayloadType::Float64, 1, 0 } },
+      bytes +
+        "read as \"double value\", which they look like: set Payload to say so, or what else they are." };
+  }
+  return { {},
+    bytes + "left out, for it is unknown what they are: read as double they " + objection +
+      ". Set Payload to their layout, for example \"double value\", \"long value\" or \"float value[2]\"." };
+}
+
+// Throws Error when the layout does not describe what the file holds.
+PayloadReading ReadPayload(const P4estForestFile& file, const std::string& text)
+{
+  if (text.empty())
+  {
+    return GuessPayload(file);
+  }
   const treeamr::PayloadLayout layout = treeamr::PayloadLayout::parse(text);
   if (layout.size() != file.payloadSize())
   {
     throw treeamr::Error(file.path() + ": payload \"" + text + "\" takes " + std::to_string(layout.size()) +
-      " bytes, allowed the " + std::to_string(file.payloadSize()) + " bytes per quadrant of the file");
+      " bytes, allowed the " + std::to_string(file.payloadSize()) + " bytes per quadrant of the file" +
+      (file.payloadSize() == 0 ? "; leave Payload empty for forests saved without data"
+                               : "; name all members of the struct, with pad[n] for bytes to leave out"));
   }
-  return layout.fields();
+  return { layout.fields(), {} };
+}
+
+// Those of the payload, which keep their names, and those that tell of the quadrants themselves.
+std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields, bool generateLevel)
+{
+  std::vector<std::string> names;
+  for (const PayloadField& field : fields)
+  {
+    names.push_back(field.name);
+  }
+  if (generateLevel || fields.empty())
+  {
+    for (const char* name : { LevelName, TreeIdName })
+    {
+      if (std::ranges::find(names, name) == names.end())
+      {
+        names.emplace_back(name);
+      }
+    }
+  }
+  return names;
 }
 
 } // namespace
@@ -290,6 +362,8 @@ std::vector<PayloadField> ReadPayloadText(const P4estForestFile& file, const std
 vtkTreeAMRP4estReader::vtkTreeAMRP4estReader()
 {
   this->SetNumberOfInputPorts(0);
+  this->CellDataArraySelection->AddObserver(
+    vtkCommand::ModifiedEvent, this, &vtkTreeAMRP4estReader::Modified);
 }
 
 vtkTreeAMRP4estReader::~vtkTreeAMRP4estReader()
@@ -303,7 +377,67 @@ void vtkTreeAMRP4estReader::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n"
      << indent << "Payload: " << (this->Payload ? this->Payload : "(none)") << "\n"
-     << indent << "GenerateLevel: " << this->GenerateLevel << "\n";
+     << indent << "GenerateLevel: " << this->GenerateLevel << "\n"
+     << indent << "CellDataArraySelection:\n";
+  this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
+}
+
+vtkDataArraySelection* vtkTreeAMRP4estReader::GetCellDataArraySelection()
+{
+  return this->CellDataArraySelection;
+}
+
+int vtkTreeAMRP4estReader::GetNumberOfCellArrays()
+{
+  return this->CellDataArraySelection->GetNumberOfArrays();
+}
+
+const char* vtkTreeAMRP4estReader::GetCellArrayName(int index)
+{
+  return this->CellDataArraySelection->GetArrayName(index);
+}
+
+int vtkTreeAMRP4estReader::GetCellArrayStatus(const char* name)
+{
+  return this->CellDataArraySelection->ArrayIsEnabled(name);
+}
+
+void vtkTreeAMRP4estReader::SetCellArrayStatus(const char* name, int status)
+{
+  this->CellDataArraySelection->SetArraySetting(name, status);
+}
+
+// ParaView tells the statuses of a saved state before the Payload whose arrays they are, together with those
+// of the arrays there were until then. A list with arrays on and others off is meant as a whole.
+void vtkTreeAMRP4estReader::SetSelectableArrays(const std::vector<std::string>& names)
+{
+  vtkDataArraySelection* const selection = this->CellDataArraySelection;
+  const bool someOff = selection->GetNumberOfArraysEnabled() < selection->GetNumberOfArrays();
+  std::vector<const char*> list;
+  bool someOn = false;
+  for (const std::string& name : names)
+  {
+    list.push_back(name.c_str());
+    someOn = someOn || selection->ArrayIsEnabled(name.c_str());
+  }
+  selection->SetArraysWithDefault(list.data(), static_cast<int>(list.size()), !(someOff && someOn));
+}
+
+bool vtkTreeAMRP4estReader::IsSelected(const std::string& name)
+{
+  // The file may have got another payload since UpdateInformation().
+  return !this->CellDataArraySelection->ArrayExists(name.c_str()) ||
+    this->CellDataArraySelection->ArrayIsEnabled(name.c_str());
+}
+
+// Once: the steps of a series all give the same remark.
+void vtkTreeAMRP4estReader::Remark(const std::string& path, const std::string& remark)
+{
+  if (!remark.empty() && remark != this->LastRemark)
+  {
+    vtkWarningMacro(<< path << ": " << remark);
+  }
+  this->LastRemark = remark;
 }
 
 int vtkTreeAMRP4estReader::CanReadFile(const char* fileName)
@@ -321,6 +455,25 @@ int vtkTreeAMRP4estReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   outputVector->GetInformationObject(0)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  const std::string payload = this->Payload ? this->Payload : "";
+  const std::string fileName = this->FileName ? this->FileName : "";
+  try
+  {
+    if (!payload.empty()) // the file is not asked
+    {
+      this->SetSelectableArrays(
+        ArrayNames(treeamr::PayloadLayout::parse(payload).fields(), this->GenerateLevel));
+    }
+    else if (!fileName.empty())
+    {
+      this->SetSelectableArrays(
+        ArrayNames(GuessPayload(P4estForestFile(fileName)).fields, this->GenerateLevel));
+    }
+  }
+  catch (const std::exception&)
+  {
+    // RequestData fails of the same and says so.
+  }
   return 1;
 }
 
@@ -330,22 +483,25 @@ int vtkTreeAMRP4estReader::RequestData(
   vtkInformation* const outInfo = outputVector->GetInformationObject(0);
   vtkHyperTreeGrid* const output = vtkHyperTreeGrid::GetData(outInfo);
   output->Initialize();
-  if (!this->FileName || !*this->FileName)
-  {
-    vtkErrorMacro("FileName is not set.");
-    return 0;
-  }
+  this->ErrorCode = vtkErrorCode::NoError; // not by its setter, which is a modification
   if (outInfo->Has(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) &&
     outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
   {
     return 1;
   }
+  if (!this->FileName || !*this->FileName)
+  {
+    this->ErrorCode = vtkErrorCode::NoFileNameError;
+    vtkErrorMacro("FileName is not set; allowed are forests saved by p8est_save.");
+    return 1;
+  }
+  this->ErrorCode = vtkErrorCode::FileFormatError;
   try
   {
     vtkNew<vtkHyperTreeGrid> grid;
     this->Read(grid);
     output->ShallowCopy(grid);
-    return 1;
+    this->ErrorCode = vtkErrorCode::NoError;
   }
   catch (const std::bad_alloc&)
   {
@@ -355,7 +511,7 @@ int vtkTreeAMRP4estReader::RequestData(
   {
     vtkErrorMacro(<< error.what());
   }
-  return 0;
+  return 1;
 }
 
 void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
@@ -366,41 +522,33 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   const std::vector<vtkIdType> treeStarts = FindTreeStarts(file);
   const vtkIdType nodes = treeStarts.back();
 
-  const std::string payload = this->Payload ? this->Payload : "";
-  std::vector<PayloadField> fields;
-  if (!payload.empty())
-  {
-    fields = ReadPayloadText(file, payload);
-  }
-  else if (file.payloadSize() == sizeof(double))
-  {
-    fields = { { "value", PayloadType::Float64, 1, 0 } };
-  }
-  else if (file.payloadSize() > 0)
-  {
-    vtkWarningMacro(
-      << file.path() << ": the " << file.payloadSize()
-      << " bytes of each quadrant are left out, for their layout is unknown: set Payload to it, "
-         "for example \""
-      << ExamplePayload(file.payloadSize()) << "\".");
-  }
+  const PayloadReading payload = ReadPayload(file, this->Payload ? this->Payload : "");
+  this->Remark(file.path(), payload.remark);
 
   ArrayFillers fillers;
-  for (const PayloadField& field : fields)
+  for (const std::string& name : ArrayNames(payload.fields, this->GenerateLevel))
   {
-    fillers.push_back(MakeFiller(grid->GetCellData(), field, nodes));
-  }
-  if (this->GenerateLevel || fields.empty())
-  {
-    // An array of the payload keeps its name.
-    const auto isFree = [&](const char* name) { return !grid->GetCellData()->HasArray(name); };
-    if (isFree("level"))
+    if (!this->IsSelected(name))
     {
-      fillers.push_back(std::make_unique<LevelFiller>(grid->GetCellData(), nodes));
+      continue;
     }
-    if (isFree("treeid"))
+    vtkCellData* const cellData = grid->GetCellData();
+    const auto field = std::ranges::find(payload.fields, name, &PayloadField::name);
+    if (field != payload.fields.end())
     {
-      fillers.push_back(std::make_unique<TreeIdFiller>(grid->GetCellData(), nodes));
+      fillers.push_back(MakeFiller(cellData, *field, nodes));
+    }
+    else if (name == LevelName)
+    {
+      fillers.push_back(std::make_unique<LevelFiller>(cellData, nodes));
+    }
+    else
+    {
+      fillers.push_back(std::make_unique<TreeIdFiller>(cellData, nodes));
+    }
+    if (fillers.size() == 1)
+    {
+      cellData->SetActiveScalars(name.c_str());
     }
   }
 

@@ -8,21 +8,32 @@
  *
  * The file stores each quadrant's payload as bytes without types or names: set Payload to the members of the
  * struct that the program kept in its quadrants, for example `double rho; double velocity[3]`
- * (PayloadLayout.h has the grammar). Each member becomes a cell array of its own type, name and components.
- * Without a Payload, 8 bytes are read as `double value`; of a payload of any other size nothing is read, with
- * a warning.
+ * (PayloadLayout.h has the grammar). Each member becomes a cell array of its own type, name and components;
+ * the first one that is read is the active scalars. Without a Payload, 8 bytes are read as `double value` if
+ * their values look like doubles; anything else is left out. A warning says either.
+ *
+ * The cell data selection has the arrays there are, all of them on: those that are off take neither memory
+ * nor time. Turn an array off before UpdateInformation() has told of it, and it stays off. When some are off
+ * and some on, those that nobody named are off, too.
  *
  * A coarse cell has the mean of its eight children in arrays of float and double, and the value of its first
  * child in arrays of integers.
  *
- * Piece 0 reads the whole forest; all other pieces are empty. A bad file or Payload is an error and leaves
- * the output empty.
+ * Piece 0 reads the whole forest; all other pieces are empty. A bad file or Payload is an error, told by
+ * GetErrorCode() too, and leaves the output empty. The pipeline goes on: in parallel, filters of the other
+ * processes wait for those of the first.
  */
 #ifndef vtkTreeAMRP4estReader_h
 #define vtkTreeAMRP4estReader_h
 
 #include "vtkHyperTreeGridAlgorithm.h"
+#include "vtkNew.h"
 #include "vtkTreeAMRReaderModule.h"
+
+#include <string>
+#include <vector>
+
+class vtkDataArraySelection;
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRP4estReader : public vtkHyperTreeGridAlgorithm
 {
@@ -44,12 +55,23 @@ public:
 
   ///@{
   /**
-   * Whether to add the arrays `level` (unsigned char) and `treeid` (int). Off by default; they are added
+   * Whether there are the arrays `level` (unsigned char) and `treeid` (int). Off by default; they are there
    * anyway when no payload is read.
    */
   vtkSetMacro(GenerateLevel, bool);
   vtkGetMacro(GenerateLevel, bool);
   vtkBooleanMacro(GenerateLevel, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Which arrays are read; status is 0 or 1.
+   */
+  vtkDataArraySelection* GetCellDataArraySelection();
+  int GetNumberOfCellArrays();
+  const char* GetCellArrayName(int index);
+  int GetCellArrayStatus(const char* name);
+  void SetCellArrayStatus(const char* name, int status);
   ///@}
 
   /**
@@ -75,6 +97,12 @@ protected:
 
 private:
   void Read(vtkHyperTreeGrid* grid);
+  void SetSelectableArrays(const std::vector<std::string>& names);
+  bool IsSelected(const std::string& name);
+  void Remark(const std::string& path, const std::string& remark);
+
+  vtkNew<vtkDataArraySelection> CellDataArraySelection;
+  std::string LastRemark;
 
   vtkTreeAMRP4estReader(const vtkTreeAMRP4estReader&) = delete;
   void operator=(const vtkTreeAMRP4estReader&) = delete;

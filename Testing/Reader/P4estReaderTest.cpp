@@ -10,6 +10,8 @@
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
+#include "vtkDataArraySelection.h"
+#include "vtkErrorCode.h"
 #include "vtkExecutive.h"
 #include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
@@ -23,6 +25,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -160,7 +163,34 @@ protected:
     reader_->Update();
     EXPECT_TRUE(errors.messages().empty()) << errors.messages()[0];
     EXPECT_TRUE(warnings.messages().empty()) << warnings.messages()[0];
+    EXPECT_EQ(reader_->GetErrorCode(), vtkErrorCode::NoError);
     return reader_->GetHyperTreeGridOutput();
+  }
+
+  /// Reads without a Payload and returns the one warning.
+  std::string warningOf(const std::string& path)
+  {
+    const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
+    const MessageCatcher warnings(reader_, vtkCommand::WarningEvent);
+    reader_->SetFileName(path.c_str());
+    reader_->SetPayload("");
+    reader_->SetGenerateLevel(false);
+    reader_->Modified();
+    reader_->Update();
+    EXPECT_TRUE(errors.messages().empty()) << errors.messages()[0];
+    EXPECT_EQ(warnings.messages().size(), 1u);
+    return warnings.messages().empty() ? "" : warnings.messages()[0];
+  }
+
+  std::vector<std::string> arraysRead()
+  {
+    vtkCellData* const data = reader_->GetHyperTreeGridOutput()->GetCellData();
+    std::vector<std::string> names;
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+    {
+      names.emplace_back(data->GetArrayName(i));
+    }
+    return names;
   }
 
   /// Reading fails with a message that has this part, and leaves nothing.
@@ -171,7 +201,10 @@ protected:
     reader_->SetFileName(path.c_str());
     reader_->SetPayload(payload);
     reader_->Modified();
-    reader_->Update();
+    // A failed pipeline of one process would let the filters of others wait.
+    EXPECT_TRUE(reader_->UpdatePiece(0, 1, 0));
+    EXPECT_TRUE(failures.messages().empty());
+    EXPECT_NE(reader_->GetErrorCode(), vtkErrorCode::NoError);
     ASSERT_EQ(errors.messages().size(), 1u) << part;
     EXPECT_NE(errors.messages()[0].find(part), std::string::npos)
       << errors.messages()[0] << "should say " << part;
@@ -430,47 +463,172 @@ TEST_F(P4estReaderTest, WithoutPayload)
   this->expectError(path, "double rho", "payload \"double rho\" takes 8 bytes, allowed the 0 bytes");
 }
 
-TEST_F(P4estReaderTest, EightBytesWithoutALayoutAreADouble)
-{
-  auto forest = ForestWriter::unitCube();
-  forest.setPayload(8, [](const ForestQuadrant&, std::byte* payload) {
-    const double value = 42.;
-    std::memcpy(payload, &value, sizeof(value));
-  });
-  const std::string path = folder_.file("value.p8est");
-  forest.save(path);
-  vtkHyperTreeGrid* const grid = this->read(path, "", false);
-  ASSERT_EQ(grid->GetCellData()->GetNumberOfArrays(), 1);
-  EXPECT_EQ(grid->GetCellData()->GetArray("value")->GetTuple1(0), 42.);
-  EXPECT_EQ(this->read(path, "", true)->GetCellData()->GetNumberOfArrays(), 3);
-  EXPECT_EQ(this->read(path, "unsigned level, treeid", true)->GetCellData()->GetArray("level")->GetDataType(),
-    VTK_UNSIGNED_INT); // the payload keeps its names
-}
-
-TEST_F(P4estReaderTest, UnknownPayloadIsAWarning)
+// 8 bytes are taken for a double when they look like one, anything else is left out; a warning says either.
+TEST_F(P4estReaderTest, PayloadsWithoutALayout)
 {
   const std::string path = folder_.file("unknown.p8est");
-  for (const auto& [bytes, example] :
-    { std::pair(24, "double value[3]"), std::pair(12, "float value[3]"), std::pair(5, "char value[5]") })
+  auto forest = ForestWriter::unitCube();
+  forest.refine([](const ForestQuadrant& q) { return q.level < 2; });
+  const auto valueOf = [](const ForestQuadrant& q) { return std::sin(double(hashOf(q) % 1000)); };
+  forest.setPayload(8, [&](const ForestQuadrant& q, std::byte* payload) {
+    const double value = valueOf(q);
+    std::memcpy(payload, &value, sizeof(value));
+  });
+  forest.save(path);
+  std::string warning = this->warningOf(path);
+  EXPECT_NE(warning.find(path + ": the 8 bytes of each quadrant are read as \"double value\""), warning.npos)
+    << warning;
+  EXPECT_NE(warning.find("set Payload"), warning.npos) << warning;
+  EXPECT_EQ(this->arraysRead(), std::vector<std::string>{ "value" });
+  std::vector<double> expected;
+  std::vector<double> found;
+  for (const ForestQuadrant& q : forest.quadrants())
   {
-    ForestWriter forest = ForestWriter::unitCube();
+    expected.push_back(valueOf(q));
+  }
+  vtkHyperTreeGrid* const grid = reader_->GetHyperTreeGridOutput();
+  visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+    found.push_back(grid->GetCellData()->GetArray("value")->GetTuple1(cursor->GetGlobalNodeIndex()));
+  });
+  std::ranges::sort(expected);
+  std::ranges::sort(found);
+  EXPECT_EQ(expected, found);
+  this->read(path, "", true); // it is not said again
+  EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "value", "level", "treeid" }));
+  EXPECT_EQ(this->read(path, "unsigned level, treeid", true)->GetCellData()->GetArray("level")->GetDataType(),
+    VTK_UNSIGNED_INT); // the payload keeps its names
+
+  forest.setPayload(8, [](const ForestQuadrant& q, std::byte* payload) {
+    const auto id = static_cast<std::int64_t>(hashOf(q) % 1000);
+    std::memcpy(payload, &id, sizeof(id));
+  });
+  forest.save(path);
+  warning = this->warningOf(path);
+  EXPECT_NE(warning.find(path + ": the 8 bytes of each quadrant are left out"), warning.npos) << warning;
+  EXPECT_NE(warning.find("\"long value\""), warning.npos) << warning;
+  EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "level", "treeid" }));
+
+  for (const auto& [bytes, example] : { std::pair(24, "double value[3]"), std::pair(12, "float value[3]"),
+         std::pair(5, "char value[5]"), std::pair(4, "float value"), std::pair(1, "char value") })
+  {
     fillWithHashes(forest, static_cast<std::size_t>(bytes));
     forest.save(path);
-    const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
-    const MessageCatcher warnings(reader_, vtkCommand::WarningEvent);
-    reader_->SetFileName(path.c_str());
-    reader_->Modified();
-    reader_->Update();
-    EXPECT_TRUE(errors.messages().empty());
-    ASSERT_EQ(warnings.messages().size(), 1u);
-    for (const std::string& part :
-      { path, "the " + std::to_string(bytes) + " bytes", std::string("set Payload"), std::string(example) })
+    warning = this->warningOf(path);
+    for (const std::string& part : { path, "the " + std::to_string(bytes) + " bytes",
+           std::string("set Payload"), '"' + std::string(example) + '"' })
     {
-      EXPECT_NE(warnings.messages()[0].find(part), std::string::npos) << warnings.messages()[0];
+      EXPECT_NE(warning.find(part), warning.npos) << warning;
     }
-    EXPECT_EQ(reader_->GetHyperTreeGridOutput()->GetCellData()->GetNumberOfArrays(), 2);
-    EXPECT_EQ(countVertices(reader_->GetHyperTreeGridOutput()), 1);
+    EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "level", "treeid" }));
   }
+}
+
+// A sample stands for a large forest: it may not miss what only a part of it says.
+TEST_F(P4estReaderTest, LargeForestWithoutALayout)
+{
+  auto forest = ForestWriter::unitCube();
+  forest.refine([](const ForestQuadrant& q) { return q.level < 6; });
+  ASSERT_GT(forest.quadrantCount(), 200000);
+  forest.setPayload(8, [](const ForestQuadrant& q, std::byte* payload) {
+    const std::int64_t id = q.index[2] < 32 ? 0 : std::bit_cast<std::int64_t>(1. + q.index[0]);
+    std::memcpy(payload, &id, sizeof(id));
+  });
+  const std::string path = folder_.file("large.p8est");
+  forest.save(path);
+  this->warningOf(path);
+  EXPECT_EQ(this->arraysRead(), std::vector<std::string>{ "value" });
+}
+
+TEST_F(P4estReaderTest, ReadsTheSelectedArrays)
+{
+  const std::string path = folder_.file("states.p8est");
+  ForestWriter forest = ForestWriter::brick({ 2, 1, 1 });
+  refineAtRandom(forest, 3, 2);
+  fillWithStates(forest);
+  forest.save(path);
+  using Names = std::vector<std::string>;
+  const Names all = { "rho", "velocity", "rank", "flags", "id", "level", "treeid" };
+
+  reader_->SetFileName(path.c_str());
+  reader_->SetPayload(stateText);
+  reader_->SetGenerateLevel(true);
+  reader_->UpdateInformation();
+  Names offered;
+  for (int i = 0; i < reader_->GetNumberOfCellArrays(); ++i)
+  {
+    offered.emplace_back(reader_->GetCellArrayName(i));
+    EXPECT_EQ(reader_->GetCellArrayStatus(reader_->GetCellArrayName(i)), 1);
+  }
+  EXPECT_EQ(offered, all);
+
+  reader_->SetCellArrayStatus("rho", 0);
+  reader_->SetCellArrayStatus("level", 0);
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), (Names{ "velocity", "rank", "flags", "id", "treeid" }));
+  reader_->GetCellDataArraySelection()->DisableAllArrays();
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), Names{});
+  EXPECT_EQ(countVertices(reader_->GetHyperTreeGridOutput()) > 0, true);
+  reader_->GetCellDataArraySelection()->EnableArray("id");
+  reader_->GetCellDataArraySelection()->EnableArray("level");
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), (Names{ "id", "level" }));
+  vtkHyperTreeGrid* const grid = reader_->GetHyperTreeGridOutput();
+  std::map<std::int64_t, int> levels;
+  for (const ForestQuadrant& q : forest.quadrants())
+  {
+    levels[stateOf(q).id] = q.level;
+  }
+  vtkIdType leaves = 0;
+  visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+    const vtkIdType node = cursor->GetGlobalNodeIndex();
+    const auto id = grid->GetCellData()->GetArray("id")->GetVariantValue(node).ToLongLong();
+    ASSERT_EQ(levels.at(id), grid->GetCellData()->GetArray("level")->GetTuple1(node));
+    ++leaves;
+  });
+  EXPECT_EQ(leaves, forest.quadrantCount());
+}
+
+// A state tells which arrays to read before it tells the payload that has them.
+TEST_F(P4estReaderTest, SelectionBeforeThePayload)
+{
+  const std::string path = folder_.file("forest.p8est");
+  smallBrick().save(path);
+  reader_->SetFileName(path.c_str());
+  reader_->UpdateInformation(); // level and treeid are all there is
+  for (const auto& [name, status] : { std::pair("level", 0), std::pair("treeid", 0), std::pair("b", 1) })
+  {
+    reader_->SetCellArrayStatus(name, status);
+  }
+  reader_->SetPayload("float a; float b; float c");
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), std::vector<std::string>{ "b" });
+
+  // Without a choice all that comes is read.
+  reader_->GetCellDataArraySelection()->EnableAllArrays();
+  reader_->SetPayload("float a; float b; int d");
+  reader_->SetGenerateLevel(true);
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "a", "b", "d", "level", "treeid" }));
+}
+
+TEST_F(P4estReaderTest, FirstArrayIsTheActiveScalars)
+{
+  const std::string path = folder_.file("forest.p8est");
+  ForestWriter forest = ForestWriter::brick({ 3, 2, 2 });
+  forest.save(path);
+  const auto activeName = [](vtkHyperTreeGrid* grid) {
+    vtkDataArray* const scalars = grid->GetCellData()->GetScalars();
+    return std::string(scalars ? scalars->GetName() : "(none)");
+  };
+  EXPECT_EQ(activeName(this->read(path, "", false)), "level");
+  fillWithHashes(forest, 12);
+  forest.save(path);
+  EXPECT_EQ(activeName(this->read(path, "float u[2]; int n", true)), "u");
+  reader_->SetCellArrayStatus("u", 0);
+  EXPECT_EQ(activeName(this->read(path, "float u[2]; int n", true)), "n");
+  reader_->GetCellDataArraySelection()->DisableAllArrays();
+  EXPECT_EQ(activeName(this->read(path, "float u[2]; int n", true)), "(none)");
 }
 
 TEST_F(P4estReaderTest, WrongPayloads)
