@@ -5,15 +5,12 @@ TestSeries.py <folder>                         run by pvbatch, on one rank or mo
                                                file or of its payload are told, and all that is right is drawn
 """
 
-import ctypes
-import gc
 import json
 import os
 import subprocess
 import sys
 
 from paraview import servermanager, simple
-from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import scene
 
@@ -43,13 +40,6 @@ OLD_STATE = """<ParaView><ServerManagerState version="5.11.0">
 def leaves(reader, time=None):
     reader.UpdatePipeline(time) if time is not None else reader.UpdatePipeline()
     return servermanager.Fetch(reader).GetNumberOfLeaves()
-
-
-def resident_mib():
-    gc.collect()
-    ctypes.CDLL("libc.so.6").malloc_trim(0)
-    with open("/proc/self/statm", encoding="ascii") as pages:
-        return int(pages.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
 class TestSeries(scene.TestCase):
@@ -111,7 +101,7 @@ class TestSeries(scene.TestCase):
             else:
                 simple.Render(view)
             if step in (50, 101):
-                resident.append(resident_mib())
+                resident.append(scene.resident_mib())
             animation.GoToNext()
         for first, second in ((0, 1), (1, 2)):
             self.assertGreater((pictures[first] != pictures[second]).mean(), 0.01)

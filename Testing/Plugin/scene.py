@@ -1,5 +1,7 @@
-"""What the tests of the plugin share: a small view, its picture as an array, colour maps of one colour."""
+"""What the tests of the plugin share: a small view, its picture as an array, colour maps of one colour, memory."""
 
+import ctypes
+import gc
 import os
 import sys
 import unittest
@@ -102,3 +104,11 @@ def close(images):
     """Whether two pictures agree up to the rounding of a colour."""
     first, second = images
     return numpy.abs(first - second).max() <= 1
+
+
+def resident_mib():
+    """Of this process, after all that can be given back is."""
+    gc.collect()
+    ctypes.CDLL("libc.so.6").malloc_trim(0)
+    with open("/proc/self/statm") as pages:
+        return int(pages.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
