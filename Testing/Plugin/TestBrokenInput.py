@@ -23,8 +23,7 @@ for kind in ("Tree AMR Volume", "Tree AMR Isosurface"):
     scene.look(view)
     right = scene.picture(view, "broken-input-before")
     assert scene.drawn(right).mean() > 0.1
-    for name, wrong in (("Payload", "duble rho"), ("FileName", FOREST + ".missing")):
-        value = getattr(reader, name)
+    for name, value, wrong in (("Payload", "double rho", "duble rho"), ("FileName", FOREST, FOREST + ".missing")):
         setattr(reader, name, wrong)
         scene.picture(view, "broken-input")
         setattr(reader, name, value)

@@ -170,10 +170,10 @@ class Session:
 session = Session()
 for number in range(WARM_UP):
     session.change(number)
-start = session.scene.resident_mib()
+start = session.resident_mib()
 for number in range(WARM_UP, WARM_UP + CHANGES):
     session.change(number)
-end = session.scene.resident_mib()
+end = session.resident_mib()
 print(json.dumps({"changes": CHANGES, "resident_mib_start": round(start, 1), "resident_mib_end": round(end, 1)}))
 if end - start > ALLOWED_MIB:
     sys.exit(f"{end - start:.1f} MiB more, allowed are {ALLOWED_MIB}")
