@@ -1,6 +1,7 @@
 // One surface after the other in the core, put together here.
 #include "vtkTreeAMRContourFilter.h"
 
+#include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
 
 #include "Contour/Contour.h"
@@ -12,6 +13,7 @@
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
+#include "vtkDataArraySelection.h"
 #include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
@@ -160,14 +162,15 @@ std::vector<float> SampleEach(
 }
 
 /// A cell array at all points.
-vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, vtkDataArray* cells,
+vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::string& name,
   const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count)
 {
-  const int components = cells->GetNumberOfComponents();
-  vtkSmartPointer<vtkDataArray> array = NewPointArray(cells, components, count);
-  for (int c = 0; c < components; ++c)
+  vtkDataArray* cells = input->GetCellData()->GetArray(name.c_str());
+  const int components = cells ? cells->GetNumberOfComponents() : 0;
+  const auto array = cells ? NewPointArray(cells, components, count) : nullptr;
+  for (int c = 0; !cells || (c < components && count > 0); ++c)
   {
-    const auto field = treeamr::acquireField(input, { cells->GetName(), c }, false);
+    const auto field = treeamr::acquireField(input, { name, c }, false); // throws without the array
     for (const Surface& surface : surfaces)
     {
       const std::vector<float> values = &field->octree() == &octree
@@ -184,6 +187,22 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, vtkDataArray*
   return array;
 }
 
+/// Of the array to contour, be it there or not.
+std::string NameOf(vtkDataArray* found, vtkInformation* wanted)
+{
+  if (found && found->GetName())
+  {
+    return found->GetName();
+  }
+  if (const char* name = wanted->Get(vtkDataObject::FIELD_NAME()))
+  {
+    return name;
+  }
+  throw treeamr::Error(
+    "contour: the input has no active cell scalars of a name; call SetInputArrayToProcess() with the name of "
+    "one of its cell arrays, or choose one in Contour By");
+}
+
 } // namespace
 
 vtkTreeAMRContourFilter::vtkTreeAMRContourFilter()
@@ -198,6 +217,7 @@ void vtkTreeAMRContourFilter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
+  this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
@@ -245,7 +265,8 @@ void vtkTreeAMRContourFilter::GenerateValues(int numContours, double rangeStart,
 
 vtkMTimeType vtkTreeAMRContourFilter::GetMTime()
 {
-  return std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
+  return std::max({ this->Superclass::GetMTime(), this->ContourValues->GetMTime(),
+    this->CellDataArraySelection->GetMTime() });
 }
 
 int vtkTreeAMRContourFilter::FillInputPortInformation(int, vtkInformation* info)
@@ -280,12 +301,10 @@ int vtkTreeAMRContourFilter::RequestData(
 
 void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* output)
 {
-  vtkDataArray* contoured = this->GetInputArrayToProcess(0, input);
-  if (!contoured || !contoured->GetName())
-  {
-    throw treeamr::Error("contour: the input has no such cell array, or it has no name");
-  }
-  const auto field = treeamr::acquireField(input, { contoured->GetName(), 0 }, true);
+  const std::string contouredName =
+    NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
+  const auto field = treeamr::acquireField(input, { contouredName, 0 }, true);
+  vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;
   vtkIdType triangles = 0;
@@ -342,18 +361,24 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
       return std::array<double, 3>{ -x, -y, -z };
     }));
   }
-  vtkCellData* cells = input->GetCellData();
-  for (int i = 0; i < cells->GetNumberOfArrays() && !this->GetAbortExecute(); ++i)
+  for (const std::string& name : treeamr::takenArrays(*input, *this->CellDataArraySelection))
   {
-    vtkDataArray* array = cells->GetArray(i);
-    if (!array || array == contoured || !array->GetName() ||
-      strcmp(array->GetName(), vtkDataSetAttributes::GhostArrayName()) == 0)
+    if (this->GetAbortExecute())
+    {
+      return;
+    }
+    vtkDataArray* array = input->GetCellData()->GetArray(name.c_str());
+    if (array == contoured)
     {
       continue;
     }
     try
     {
-      pointData->AddArray(Interpolate(input, array, field->octree(), surfaces, points));
+      pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points));
+      if (const std::string rounded = treeamr::roundedIntegers(*array); !rounded.empty())
+      {
+        vtkWarningMacro(<< rounded);
+      }
     }
     catch (const treeamr::Error& e)
     {

@@ -9,9 +9,10 @@
  * precision.
  *
  * SetInputArrayToProcess() chooses the cell array, the active scalars by default; of several components the
- * first counts. Every other numeric cell array (but vtkGhostType) is interpolated at the points, component by
- * component: arrays of double give double, all others float. A point is NaN where an array has no finite
- * value in the cells around. See HyperTreeGridConverter.h for the cells that are drawn.
+ * first counts. Every other numeric cell array (but vtkGhostType), or those that GetCellDataArraySelection()
+ * enables, is interpolated at the points, component by component: arrays of double give double, all others float. A
+ * point is NaN where an array has no finite value in the cells around. Of whole numbers beyond 2^24, which single
+ * precision rounds, a warning says so. See HyperTreeGridConverter.h for the cells that are drawn.
  *
  * The output does not depend on the number of threads. It is empty for a grid without trees; for a value that
  * is not finite and for a grid or array that cannot be converted there is an error, too.
@@ -19,11 +20,12 @@
 #ifndef vtkTreeAMRContourFilter_h
 #define vtkTreeAMRContourFilter_h
 
-#include "vtkNew.h" // for ContourValues
+#include "vtkNew.h" // for its members
 #include "vtkPolyDataAlgorithm.h"
 #include "vtkTreeAMRReaderModule.h"
 
 class vtkContourValues;
+class vtkDataArraySelection;
 class vtkHyperTreeGrid;
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRContourFilter : public vtkPolyDataAlgorithm
@@ -48,7 +50,13 @@ public:
   ///@}
 
   /**
-   * Of the filter and its values.
+   * The cell arrays to interpolate beside the contoured one: those that are enabled, or all as long as the selection
+   * knows no array. What is not selected costs no time or memory.
+   */
+  vtkDataArraySelection* GetCellDataArraySelection() { return this->CellDataArraySelection; }
+
+  /**
+   * Of the filter, its values and its selection.
    */
   vtkMTimeType GetMTime() override;
 
@@ -88,6 +96,7 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   vtkNew<vtkContourValues> ContourValues;
+  vtkNew<vtkDataArraySelection> CellDataArraySelection;
   bool ComputeNormals = true;
   bool ComputeGradients = false;
   bool ComputeScalars = true;

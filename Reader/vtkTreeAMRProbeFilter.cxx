@@ -1,6 +1,7 @@
 // One sampler per component, all points in parallel.
 #include "vtkTreeAMRProbeFilter.h"
 
+#include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
 
 #include "Error.h"
@@ -8,10 +9,9 @@
 
 #include "vtkCellData.h"
 #include "vtkCharArray.h"
+#include "vtkDataArraySelection.h"
 #include "vtkDataSet.h"
-#include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
-#include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -24,7 +24,8 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include <cstring>
+#include <algorithm>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -41,27 +42,18 @@ struct ArrayResult
   vtkSmartPointer<vtkDataArray> Gradients;
 };
 
-vtkSmartPointer<vtkDataArray> NewResultArray(
-  vtkDataArray* source, const std::string& name, int components, vtkIdType points)
+vtkSmartPointer<vtkDataArray> NewArray(int type, const std::string& name, int components, vtkIdType points)
 {
-  vtkSmartPointer<vtkDataArray> array;
-  if (source->GetDataType() == VTK_DOUBLE)
-  {
-    array = vtkSmartPointer<vtkDoubleArray>::New();
-  }
-  else
-  {
-    array = vtkSmartPointer<vtkFloatArray>::New();
-  }
+  auto array = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(type));
   array->SetName(name.c_str());
   array->SetNumberOfComponents(components);
   array->SetNumberOfTuples(points);
   return array;
 }
 
-/// Writes one component at all points, NaN where the sampler has no cell, and marks the others in `valid`.
-void SampleComponent(
-  const treeamr::Sampler& sampler, vtkDataSet* input, int component, const ArrayResult& result, char* valid)
+/// Writes one component at all points, NaN where the sampler has no cell, and marks the others.
+void SampleComponent(const treeamr::Sampler& sampler, vtkDataSet* input, int component,
+  const ArrayResult& result, std::vector<char>& valid)
 {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   tbb::parallel_for(
@@ -84,8 +76,38 @@ void SampleComponent(
     });
 }
 
+/// A cell array at all points, from one field after the other. Marks points inside its cells in `valid`. octrees: keeps
+/// those of the fields for the next arrays, as the cache does not.
+ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::string& name,
+  treeamr::InterpolationMethod method, bool gradients, std::vector<char>& valid,
+  std::vector<std::shared_ptr<const treeamr::Octree>>& octrees)
+{
+  const vtkIdType points = input->GetNumberOfPoints();
+  std::vector<char> inCells(points);
+  ArrayResult result;
+  for (int c = 0; !result.Values || c < result.Values->GetNumberOfComponents(); ++c)
+  {
+    auto field = treeamr::acquireField(source, { name, c }, false);
+    octrees.push_back(field->sharedOctree());
+    if (!result.Values)
+    {
+      vtkDataArray* cells = source->GetCellData()->GetArray(name.c_str());
+      const int components = cells->GetNumberOfComponents();
+      const int type = cells->GetDataType() == VTK_DOUBLE ? VTK_DOUBLE : VTK_FLOAT;
+      result.Values = NewArray(type, name, components, points);
+      if (gradients)
+      {
+        result.Gradients = NewArray(VTK_DOUBLE, name + "_gradient", 3 * components, points);
+      }
+    }
+    SampleComponent(*treeamr::Sampler::create(method, std::move(field)), input, c, result, inCells);
+  }
+  std::transform(valid.begin(), valid.end(), inCells.begin(), valid.begin(), std::logical_or<>());
+  return result;
+}
+
 /// NaN stands for no value: that is 0 at points where no array has one.
-void ClearOutside(vtkDataArray* array, const char* valid)
+void ClearOutside(vtkDataArray* array, const std::vector<char>& valid)
 {
   for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
   {
@@ -133,6 +155,7 @@ vtkTreeAMRProbeFilter::~vtkTreeAMRProbeFilter()
 void vtkTreeAMRProbeFilter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+  this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
   os << indent << "InterpolationMethod: " << this->InterpolationMethod << "\n";
   os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
   os << indent << "ValidPointMaskArrayName: "
@@ -140,6 +163,11 @@ void vtkTreeAMRProbeFilter::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "PassPointArrays: " << this->PassPointArrays << "\n";
   os << indent << "PassCellArrays: " << this->PassCellArrays << "\n";
   os << indent << "PassFieldArrays: " << this->PassFieldArrays << "\n";
+}
+
+vtkMTimeType vtkTreeAMRProbeFilter::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->CellDataArraySelection->GetMTime());
 }
 
 void vtkTreeAMRProbeFilter::SetSourceData(vtkHyperTreeGrid* source)
@@ -233,65 +261,41 @@ int vtkTreeAMRProbeFilter::RequestData(
 void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, vtkDataSet* output)
 {
   const vtkIdType points = input->GetNumberOfPoints();
-  vtkNew<vtkCharArray> valid;
-  valid->SetName(this->ValidPointMaskArrayName);
-  valid->SetNumberOfValues(points);
-  valid->FillValue(0);
   if (points > 0)
   {
     double unused[3];
     input->GetPoint(0, unused); // the first call builds what later ones only read
   }
-
   const auto method = static_cast<treeamr::InterpolationMethod>(this->InterpolationMethod);
-  std::vector<std::shared_ptr<const treeamr::Octree>> octrees; // kept for the next arrays: the cache does not
+  std::vector<char> valid(points);
+  std::vector<std::shared_ptr<const treeamr::Octree>> octrees;
   std::vector<ArrayResult> results;
-  std::vector<std::string> failures;
-  vtkCellData* cells = source->GetCellData();
-  for (int i = 0; i < cells->GetNumberOfArrays(); ++i)
+  std::vector<std::string> complaints;
+  for (const std::string& name : treeamr::takenArrays(*source, *this->CellDataArraySelection))
   {
-    vtkDataArray* array = cells->GetArray(i);
-    const char* name = array ? array->GetName() : nullptr;
-    if (!name || strcmp(name, vtkDataSetAttributes::GhostArrayName()) == 0)
-    {
-      continue;
-    }
-    const int components = array->GetNumberOfComponents();
-    std::vector<std::unique_ptr<treeamr::Sampler>> samplers;
     try
     {
-      for (int c = 0; c < components; ++c)
-      {
-        auto field = treeamr::acquireField(source, { name, c }, false);
-        octrees.push_back(field->sharedOctree());
-        samplers.push_back(treeamr::Sampler::create(method, std::move(field)));
-      }
+      results.push_back(SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees));
+      complaints.push_back(treeamr::roundedIntegers(*source->GetCellData()->GetArray(name.c_str())));
     }
     catch (const treeamr::Error& e)
     {
-      failures.push_back(e.what());
-      continue;
-    }
-    ArrayResult& result = results.emplace_back();
-    result.Values = NewResultArray(array, name, components, points);
-    if (this->ComputeGradients)
-    {
-      result.Gradients = NewResultArray(array, std::string(name) + "_gradient", 3 * components, points);
-    }
-    for (int c = 0; c < components; ++c)
-    {
-      SampleComponent(*samplers[c], input, c, result, valid->GetPointer(0));
+      complaints.push_back(e.what());
     }
   }
 
   if (results.empty())
   {
-    throw treeamr::Error(
-      failures.empty() ? "probe: the source has no numeric cell array with a name" : failures.front());
+    throw treeamr::Error(complaints.empty()
+        ? "probe: the source has no numeric cell array that is named and selected"
+        : complaints.front());
   }
-  for (const std::string& failure : failures)
+  for (const std::string& complaint : complaints)
   {
-    vtkWarningMacro(<< failure);
+    if (!complaint.empty())
+    {
+      vtkWarningMacro(<< complaint);
+    }
   }
   for (const ArrayResult& result : results)
   {
@@ -299,10 +303,14 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
     {
       if (array)
       {
-        ClearOutside(array, valid->GetPointer(0));
+        ClearOutside(array, valid);
         output->GetPointData()->AddArray(array);
       }
     }
   }
-  output->GetPointData()->AddArray(valid);
+  vtkNew<vtkCharArray> mask;
+  mask->SetName(this->ValidPointMaskArrayName);
+  mask->SetNumberOfValues(points);
+  std::copy(valid.begin(), valid.end(), mask->GetPointer(0));
+  output->GetPointData()->AddArray(mask);
 }

@@ -3,17 +3,17 @@
  * @brief   the reconstructed arrays of a vtkHyperTreeGrid at the points of a data set
  *
  * Input 0 gives the points, input 1 (Source) the grid. The output has the geometry of input 0 and, as point
- * arrays, every numeric cell array of the grid under its own name, all components interpolated one by one
- * (vtkGhostType is left out), and on request "<name>_gradient" with three components per component of the
+ * arrays, the numeric cell arrays of the grid (all but vtkGhostType, or those that GetCellDataArraySelection()
+ * enables) under their own names, all components interpolated one by one, and on request "<name>_gradient" with three components per component of the
  * array (d/dx, d/dy, d/dz of the first, then of the second ...). Arrays of double give double, all others
- * float.
+ * float; gradients are double, as differences over short ways may be beyond float.
  *
  * The array named ValidPointMaskArrayName is 1 at points inside a cell (ghosts too) and 0 outside, where
  * values and gradients are 0. A point in a cell whose value is not finite in one array only is NaN in that
  * array. See HyperTreeGridConverter.h for the cells that are drawn.
  *
  * Values are reconstructed from floats, whatever the array's type: an array of 1e9 plus small variations
- * keeps about seven digits in all.
+ * keeps about seven digits in all. Of whole numbers beyond 2^24 a warning says so.
  *
  * Without a usable array, or for a grid that cannot be converted, there is an error and the output is empty;
  * single arrays that cannot be converted are left out with a warning.
@@ -22,8 +22,10 @@
 #define vtkTreeAMRProbeFilter_h
 
 #include "vtkDataSetAlgorithm.h"
+#include "vtkNew.h" // for CellDataArraySelection
 #include "vtkTreeAMRReaderModule.h"
 
+class vtkDataArraySelection;
 class vtkHyperTreeGrid;
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRProbeFilter : public vtkDataSetAlgorithm
@@ -73,6 +75,17 @@ public:
   vtkBooleanMacro(ComputeGradients, bool);
   ///@}
 
+  /**
+   * The cell arrays to interpolate: those that are enabled, or all as long as the selection knows no array. What is not
+   * selected costs no time or memory.
+   */
+  vtkDataArraySelection* GetCellDataArraySelection() { return this->CellDataArraySelection; }
+
+  /**
+   * Of the filter and its selection.
+   */
+  vtkMTimeType GetMTime() override;
+
   ///@{
   /**
    * Name of the array that marks the points inside; "vtkValidPointMask" by default.
@@ -106,6 +119,7 @@ protected:
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
+  vtkNew<vtkDataArraySelection> CellDataArraySelection;
   int InterpolationMethod = GTI;
   bool ComputeGradients = false;
   char* ValidPointMaskArrayName = nullptr;

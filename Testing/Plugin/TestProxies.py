@@ -85,6 +85,22 @@ class TestProxies(scene.TestCase):
         value = servermanager.Fetch(probe).GetPointData().GetArray("xyz").GetValue(0)
         self.assertAlmostEqual(0.216, value, delta=64e-6)
 
+    def test_filters_take_the_chosen_arrays(self):
+        forest = simple.TreeAMRP4estReader(FileName=FOREST, Payload="double bulb", GenerateLevel=1)
+        forest.UpdatePipeline()
+        probe = simple.TreeAMRProbe(Input=simple.PointSource(), Source=forest)
+        contour = simple.TreeAMRContour(Input=forest, ContourBy=["CELLS", "bulb"])
+        for proxy, own in ((probe, {"vtkValidPointMask"}), (contour, {"bulb", "Normals"})):
+            self.assertEqual({"bulb", "level", "treeid"}, set(proxy.CellDataArrays))
+            proxy.UpdatePipeline()
+            self.assertEqual({"bulb", "level", "treeid"} | own, set(proxy.PointData.keys()))
+            proxy.CellDataArrays = ["level"]
+            proxy.UpdatePipeline()
+            self.assertEqual({"level"} | own, set(proxy.PointData.keys()))
+        contour.CellDataArrays = []
+        contour.UpdatePipeline()
+        self.assertEqual({"bulb", "Normals"}, set(contour.PointData.keys()))
+
     def test_contour(self):
         grid = simple.TreeAMRExample(Dataset="Synthetic")
         contour = simple.TreeAMRContour(Input=grid, ContourBy=["CELLS", "xyz"], Isosurfaces=[8.0, 20.0])

@@ -22,6 +22,7 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkStringArray.h"
 
 #include <gtest/gtest.h>
 
@@ -278,7 +279,10 @@ TEST(ContourFilter, ReportsWhatItCannotUse)
                              const std::string& part) {
     vtkNew<vtkTreeAMRContourFilter> filter;
     filter->SetInputData(grid);
-    filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, array);
+    if (array)
+    {
+      filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, array);
+    }
     filter->SetValue(0, value);
     const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
     const MessageCatcher pipeline(filter->GetExecutive(), vtkCommand::ErrorEvent);
@@ -290,7 +294,12 @@ TEST(ContourFilter, ReportsWhatItCannotUse)
   const auto grid = makeGrid({});
   expectError(grid, "scalar", std::nan(""), "isovalue nan");
   expectError(grid, "scalar", std::numeric_limits<double>::infinity(), "isovalue inf");
-  expectError(grid, "nothing", 0., "no such cell array");
+  expectError(grid, "nothing", 0., "'nothing' does not exist; there are: 'scalar', 'vector', 'count'");
+  expectError(grid, nullptr, 0., "no active cell scalars");
+  vtkNew<vtkStringArray> text;
+  text->SetName("text");
+  grid->GetCellData()->AddArray(text);
+  expectError(grid, "text", 0., "'text' is a vtkStringArray, allowed are arrays of numbers");
   grid->SetHasInterface(true);
   expectError(grid, "scalar", 0., "material interfaces");
 }
