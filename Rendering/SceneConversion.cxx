@@ -9,11 +9,14 @@
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
+#include "vtkOpenGLCamera.h"
+#include "vtkOpenGLRenderer.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkProp3D.h"
 #include "vtkProperty.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkTransform.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -103,9 +106,55 @@ private:
   double unitDistance_;
 };
 
+/// Transposed, as OpenGL has them.
+struct KeyMatrices
+{
+  vtkMatrix4x4* viewFromWorld = nullptr;
+  vtkMatrix4x4* clipFromWorld = nullptr;
+};
+
+KeyMatrices keyMatrices(vtkRenderer* renderer)
+{
+  vtkCamera* camera = renderer->GetActiveCamera();
+  vtkOpenGLCamera* openGLCamera = vtkOpenGLCamera::SafeDownCast(camera);
+  if (!openGLCamera)
+  {
+    throw Error(
+      std::string("camera: the renderer has a ") + camera->GetClassName() + ", needed is a vtkOpenGLCamera");
+  }
+  KeyMatrices matrices;
+  vtkMatrix3x3* normals = nullptr;
+  vtkMatrix4x4* clipFromView = nullptr;
+  openGLCamera->GetKeyMatrices(
+    renderer, matrices.viewFromWorld, normals, clipFromView, matrices.clipFromWorld);
+  return matrices;
+}
+
+Matrix4 timesPropMatrix(vtkMatrix4x4* transposed, vtkProp3D* prop)
+{
+  vtkNew<vtkMatrix4x4> left;
+  vtkMatrix4x4::Transpose(transposed, left);
+  vtkNew<vtkMatrix4x4> product;
+  prop->GetMatrix(product);
+  vtkMatrix4x4::Multiply4x4(left, product, product);
+  Matrix4 m;
+  for (int i = 0; i < 16; ++i)
+  {
+    m[i] = product->GetElement(i / 4, i % 4);
+  }
+  return m;
+}
+
 Vec3 toVec3(const double v[3])
 {
   return { v[0], v[1], v[2] };
+}
+
+/// What an OpenGL renderer applies to all lights but those of the scene, in view coordinates; may be null.
+vtkTransform* userLightTransform(vtkRenderer* renderer)
+{
+  vtkOpenGLRenderer* const openGLRenderer = vtkOpenGLRenderer::SafeDownCast(renderer);
+  return openGLRenderer ? openGLRenderer->GetUserLightTransform() : nullptr;
 }
 
 std::array<float, 3> scaledColor(const double rgb[3], double scale)
@@ -116,31 +165,19 @@ std::array<float, 3> scaledColor(const double rgb[3], double scale)
 
 } // namespace
 
-Matrix4 convertMatrix(const vtkMatrix4x4* matrix)
+Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop)
 {
-  Matrix4 m;
-  for (int i = 0; i < 16; ++i)
-  {
-    m[i] = matrix->GetElement(i / 4, i % 4);
-  }
-  return m;
-}
-
-Matrix4 worldFromData(vtkProp3D* prop)
-{
-  vtkNew<vtkMatrix4x4> matrix;
-  prop->GetMatrix(matrix);
-  return convertMatrix(matrix);
+  return timesPropMatrix(keyMatrices(renderer).viewFromWorld, prop);
 }
 
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
 {
-  vtkNew<vtkMatrix4x4> matrix;
-  prop->GetMatrix(matrix);
-  vtkCamera* camera = renderer->GetActiveCamera();
-  vtkMatrix4x4::Multiply4x4(
-    camera->GetCompositeProjectionTransformMatrix(renderer->GetTiledAspectRatio(), -1., 1.), matrix, matrix);
-  return convertMatrix(matrix);
+  return timesPropMatrix(keyMatrices(renderer).clipFromWorld, prop);
+}
+
+int eyeOf(vtkRenderer* renderer)
+{
+  return renderer->GetRenderWindow()->GetStereoRender() && !renderer->GetActiveCamera()->GetLeftEye() ? 1 : 0;
 }
 
 bool isInteractive(vtkRenderer* renderer)
@@ -152,11 +189,14 @@ bool isInteractive(vtkRenderer* renderer)
 std::vector<Light> convertLights(vtkRenderer* renderer)
 {
   std::vector<Light> lights;
+  bool anyPositional = false;
+  vtkTransform* const viewFromWorld = renderer->GetActiveCamera()->GetModelViewTransformObject();
   vtkLightCollection* collection = renderer->GetLights();
   vtkCollectionSimpleIterator iterator;
   collection->InitTraversal(iterator);
   while (vtkLight* light = collection->GetNextLight(iterator))
   {
+    anyPositional = anyPositional || light->GetPositional();
     if (!light->GetSwitch())
     {
       continue;
@@ -169,6 +209,14 @@ std::vector<Light> convertLights(vtkRenderer* renderer)
     double direction[3];
     vtkMath::Subtract(focalPoint, position, direction);
     vtkMath::Normalize(direction);
+    viewFromWorld->TransformNormal(direction, direction);
+    viewFromWorld->TransformPoint(position, position);
+    vtkTransform* const ofUser = userLightTransform(renderer);
+    if (ofUser && !light->LightTypeIsSceneLight())
+    {
+      ofUser->TransformNormal(direction, direction);
+      ofUser->TransformPoint(position, position);
+    }
 
     Light converted;
     converted.positional = light->GetPositional() != 0;
@@ -182,15 +230,26 @@ std::vector<Light> convertLights(vtkRenderer* renderer)
     converted.castsShadows = !light->LightTypeIsHeadlight();
     lights.push_back(converted);
   }
+  // VTK has a shader of its own for this case.
+  if (lights.size() == 1 && !lights[0].castsShadows && !anyPositional)
+  {
+    lights[0].direction = { 0., 0., -1. };
+    lights[0].highlightByCosine = true;
+  }
   return lights;
 }
 
-Material convertMaterial(vtkProperty* property)
+bool isLit(vtkProperty* property, const std::vector<Light>& lights)
+{
+  return property->GetLighting() && !lights.empty();
+}
+
+Material convertMaterial(vtkProperty* property, bool lit)
 {
   Material material;
   material.ambient = scaledColor(property->GetAmbientColor(), property->GetAmbient());
   material.diffuse = scaledColor(property->GetDiffuseColor(), property->GetDiffuse());
-  if (!property->GetLighting())
+  if (!lit)
   {
     for (int c = 0; c < 3; ++c)
     {
@@ -249,19 +308,24 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
   return TransferFunction(part.min - beyond * step, part.max + beyond * step, std::move(entries));
 }
 
-std::vector<SurfaceMaterial> convertSurfaceMaterials(
-  vtkVolumeProperty* property, const std::vector<double>& isovalues, double opacityScale)
+std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,
+  const std::vector<double>& isovalues, double opacityScale, const std::vector<Light>& lights)
 {
   const PropertyFunctions functions(property);
   const bool shaded = property->GetShade(0) != 0;
+  const double unshaded = shaded ? property->GetAmbient(0) + property->GetDiffuse(0) : 1.;
   std::vector<SurfaceMaterial> materials;
   for (const double isovalue : isovalues)
   {
     const Vec3 color = functions.color(isovalue);
     SurfaceMaterial surface;
-    surface.material.ambient = scaledColor(color.data(), shaded ? property->GetAmbient(0) : 1.);
-    if (shaded)
+    if (!shaded || lights.empty())
     {
+      surface.material.ambient = scaledColor(color.data(), unshaded);
+    }
+    else
+    {
+      surface.material.ambient = scaledColor(color.data(), property->GetAmbient(0));
       surface.material.diffuse = scaledColor(color.data(), property->GetDiffuse(0));
       surface.material.specular.fill(static_cast<float>(property->GetSpecular(0)));
       surface.material.specularPower = static_cast<float>(property->GetSpecularPower(0));

@@ -131,7 +131,8 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
   forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
     const SurfaceHit& hit = hits.hits[i];
     const Vec3 away = normalized(frame.worldVector(ray.direction));
-    const Vec3 toEye{ -away[0], -away[1], -away[2] };
+    const Vec3 side{ -away[0], -away[1], -away[2] };
+    const Vec3 point = frame.worldPoint(pointAt(ray, hit.t));
     Material material = appearance.material;
     if (colors)
     {
@@ -143,10 +144,12 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
         material.diffuse[c] = appearance.diffuseOfColors * channel;
       }
     }
-    const Vec3 normal = appearance.flat ? frame.worldNormal(hit.gradient, toEye)
-                                        : frame.shadingNormal(hit.gradient, hit.normal, toEye);
-    std::array<float, 3> rgb = shade(material, appearance.lights, frame.worldPoint(pointAt(ray, hit.t)),
-      normal, toEye, visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
+    const Vec3 normal = appearance.flat ? frame.worldNormal(hit.gradient, side)
+                                        : frame.shadingNormal(hit.gradient, hit.normal, side);
+    // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
+    const Vec3 toEye = normalized({ -point[0], -point[1], -point[2] });
+    std::array<float, 3> rgb = shade(material, appearance.lights, point, normal, toEye,
+      visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
     if (!visibility.open.empty())
     {
       for (float& channel : rgb)
@@ -202,10 +205,9 @@ void fillHits(
   });
 }
 
-void placeHits(
-  const HitImage& hits, const Camera& camera, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image)
+void placeHits(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image)
 {
-  const SurfaceFrame frame(viewFromData);
+  const SurfaceFrame frame(camera.worldFromData());
   image.Position.resize(3 * image.Depth.size());
   image.Normal.resize(image.Position.size());
   forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {

@@ -39,7 +39,7 @@ struct SurfaceVisibility
 std::vector<float> valuesAtHits(
   const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits);
 
-/// Lights the hits in world coordinates. The surface blocks light like a layer of its opacity. Fills all of the image but Position and Normal.
+/// Lights the hits in view coordinates, which are the camera's world. The surface blocks light like a layer of its opacity. Fills all of the image but Position and Normal.
 void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
   const SurfaceVisibility& visibility, const HitColors& colors, vtkTreeAMRSurfaceImage& image);
 
@@ -55,7 +55,6 @@ void fillHits(
   const HitImage& hits, const Camera& camera, const HitColor& color, vtkTreeAMRSurfaceImage& image);
 
 /// Fills Position and Normal of the image.
-void placeHits(
-  const HitImage& hits, const Camera& camera, const Matrix4& viewFromData, vtkTreeAMRSurfaceImage& image);
+void placeHits(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image);
 
 } // namespace treeamr

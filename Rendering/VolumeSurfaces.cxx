@@ -35,25 +35,25 @@ void VolumeSurfaces::release()
   *this = VolumeSurfaces();
 }
 
-void VolumeSurfaces::trace(const Matrix4& clipFromData, const Matrix4& worldFromData, int width, int height)
+void VolumeSurfaces::trace(const Matrix4& clipFromData, int width, int height)
 {
-  if (camera_ && camera_->width() == width && camera_->height() == height && clipFromData_ == clipFromData &&
-    camera_->worldFromData() == worldFromData)
+  if (camera_ && camera_->width() == width && camera_->height() == height && clipFromData_ == clipFromData)
   {
     return;
   }
   camera_.reset();
-  const Camera camera(clipFromData, worldFromData, width, height);
+  const Camera camera(clipFromData, width, height);
   engine_->startFrame();
   engine_->render(camera, SurfaceLayers::All, hits_);
   clipFromData_ = clipFromData;
   camera_ = camera;
 }
 
-void VolumeSurfaces::light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights)
+void VolumeSurfaces::light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights,
+  const Matrix4& viewFromData)
 {
   rgba_.resize(hits_.hits.size());
-  const SurfaceFrame frame(camera_->worldFromData());
+  const SurfaceFrame frame(viewFromData);
   const auto width = static_cast<std::size_t>(camera_->width());
   const tbb::blocked_range<std::size_t> pixels(0, hits_.first.size() - 1, pixelsPerTask);
   tbb::parallel_for(pixels, [&](const auto& range) {
@@ -65,13 +65,15 @@ void VolumeSurfaces::light(const std::vector<SurfaceMaterial>& materials, const 
       }
       const Ray ray = camera_->ray(static_cast<int>(pixel % width), static_cast<int>(pixel / width));
       const Vec3 away = normalized(frame.worldVector(ray.direction));
-      const Vec3 toEye{ -away[0], -away[1], -away[2] };
+      const Vec3 side{ -away[0], -away[1], -away[2] };
       for (std::size_t i = hits_.first[pixel]; i < hits_.first[pixel + 1]; ++i)
       {
         const SurfaceHit& hit = hits_.hits[i];
         const SurfaceMaterial& surface = materials[hit.surface];
-        const std::array<float, 3> rgb = shade(surface.material, lights,
-          frame.worldPoint(pointAt(ray, hit.t)), frame.shadingNormal(hit.gradient, hit.normal, toEye), toEye);
+        const Vec3 point = frame.worldPoint(pointAt(ray, hit.t));
+        const std::array<float, 3> rgb =
+          shade(surface.material, lights, point, frame.shadingNormal(hit.gradient, hit.normal, side),
+            normalized({ -point[0], -point[1], -point[2] }));
         rgba_[i] = { rgb[0], rgb[1], rgb[2], surface.opacity };
       }
     }

@@ -31,9 +31,10 @@ public:
   void release();
 
   /// All hits of an image of width x height pixels; the last ones when nothing has changed.
-  void trace(const Matrix4& clipFromData, const Matrix4& worldFromData, int width, int height);
-  /// Colours of the last trace()'s hits; materials: one by isovalue of the engine.
-  void light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights);
+  void trace(const Matrix4& clipFromData, int width, int height);
+  /// Colours of the last trace()'s hits; materials: one by isovalue of the engine; lights in view coordinates.
+  void light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights,
+    const Matrix4& viewFromData);
   /// Valid until the next call of any other member.
   TranslucentHits hits() const noexcept { return { hits_, rgba_ }; }
 

@@ -12,7 +12,6 @@
 #include "RayTracing/SurfaceFrame.h"
 
 #include "vtkActor.h"
-#include "vtkCamera.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkContourValues.h"
@@ -21,7 +20,6 @@
 #include "vtkHardwareSelector.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
-#include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPlaneCollection.h"
@@ -40,12 +38,13 @@
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
 
 //------------------------------------------------------------------------------
-// One actor in one renderer. Its picture serves all passes of a frame (depth peeling), its hits all frames
+// One actor in one renderer, as one eye sees it. Its picture serves all passes of a frame (depth peeling), its hits all frames
 // until something moves.
 struct vtkTreeAMRIsosurfaceMapper::View
 {
   vtkWeakPointer<vtkRenderer> Renderer;
   vtkWeakPointer<vtkActor> Actor;
+  int Eye;
   unsigned long FrameObserver = 0;
 
   // What the hits are of.
@@ -53,7 +52,7 @@ struct vtkTreeAMRIsosurfaceMapper::View
   treeamr::SurfaceLayers Layers = treeamr::SurfaceLayers::Nearest;
   std::optional<treeamr::Camera> Camera;
   treeamr::Matrix4 ClipFromData{};
-  treeamr::Matrix4 WorldFromData{};
+  treeamr::Matrix4 ViewFromData{};
   vtkTreeAMRViewport Viewport;
   treeamr::HitImage Hits;
 
@@ -63,15 +62,16 @@ struct vtkTreeAMRIsosurfaceMapper::View
   treeamr::SurfaceVisibility Visibility;
   std::vector<std::uint16_t> OpenRays; // of the AmbientOcclusionRays of each hit
   int AmbientOcclusionRays = 0;
-  double AmbientOcclusionRadius = 0.; // in the world
+  double AmbientOcclusionRadius = 0.; // in the view
   std::vector<treeamr::Light> ShadowLights;
 
   vtkTreeAMRSurfaceTextures Picture;
   bool PictureIsOfThisFrame = false;
 
-  View(vtkRenderer* renderer, vtkActor* actor)
+  View(vtkRenderer* renderer, vtkActor* actor, int eye)
     : Renderer(renderer)
     , Actor(actor)
+    , Eye(eye)
     , FrameObserver(renderer->AddObserver(vtkCommand::StartEvent, this, &View::StartFrame))
   {
   }
@@ -87,7 +87,7 @@ struct vtkTreeAMRIsosurfaceMapper::View
 
   void StartFrame() { this->PictureIsOfThisFrame = false; }
   void UpdateHits(const std::shared_ptr<const treeamr::Isosurface>& surface);
-  /// World length of the longest diagonal of the grid's bounds.
+  /// Length in the view of the longest diagonal of the grid's bounds.
   double DiagonalOf(const treeamr::RootGrid& grid) const;
 };
 
@@ -286,14 +286,15 @@ vtkTreeAMRIsosurfaceMapper::View& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
   std::erase_if(this->Views, [self](const std::unique_ptr<View>& view) {
     return !view->Renderer || !view->Actor || view->Actor->GetMapper() != self;
   });
+  const int eye = treeamr::eyeOf(renderer);
   for (const std::unique_ptr<View>& view : this->Views)
   {
-    if (view->Renderer == renderer && view->Actor == actor)
+    if (view->Renderer == renderer && view->Actor == actor && view->Eye == eye)
     {
       return *view;
     }
   }
-  this->Views.push_back(std::make_unique<View>(renderer, actor));
+  this->Views.push_back(std::make_unique<View>(renderer, actor, eye));
   return *this->Views.back();
 }
 
@@ -302,13 +303,13 @@ void vtkTreeAMRIsosurfaceMapper::View::UpdateHits(const std::shared_ptr<const tr
 {
   this->Viewport = vtkTreeAMRFramebuffer::GetViewport(this->Renderer);
   const treeamr::Matrix4 clipFromData = treeamr::clipFromData(this->Renderer, this->Actor);
-  const treeamr::Matrix4 worldFromData = treeamr::worldFromData(this->Actor);
+  const treeamr::Matrix4 viewFromData = treeamr::viewFromData(this->Renderer, this->Actor);
   const treeamr::SurfaceLayers layers = this->Actor->IsRenderingTranslucentPolygonalGeometry()
     ? treeamr::SurfaceLayers::All
     : treeamr::SurfaceLayers::Nearest;
   if (this->Camera && this->Camera->width() == this->Viewport.Width &&
     this->Camera->height() == this->Viewport.Height && this->ClipFromData == clipFromData &&
-    this->WorldFromData == worldFromData && this->Surface == surface && this->Layers == layers)
+    this->ViewFromData == viewFromData && this->Surface == surface && this->Layers == layers)
   {
     return;
   }
@@ -320,10 +321,10 @@ void vtkTreeAMRIsosurfaceMapper::View::UpdateHits(const std::shared_ptr<const tr
   this->AmbientOcclusionRays = 0;
   this->ShadowLights.clear();
   this->ClipFromData = clipFromData;
-  this->WorldFromData = worldFromData;
+  this->ViewFromData = viewFromData;
   this->Surface = surface;
   this->Layers = layers;
-  const treeamr::Camera camera(clipFromData, worldFromData, this->Viewport.Width, this->Viewport.Height);
+  const treeamr::Camera camera(clipFromData, viewFromData, this->Viewport.Width, this->Viewport.Height);
   surface->startFrame();
   surface->render(camera, layers, this->Hits);
   this->Camera = camera;
@@ -332,7 +333,7 @@ void vtkTreeAMRIsosurfaceMapper::View::UpdateHits(const std::shared_ptr<const tr
 //------------------------------------------------------------------------------
 double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& grid) const
 {
-  const treeamr::SurfaceFrame frame(this->WorldFromData);
+  const treeamr::SurfaceFrame frame(this->ViewFromData);
   const treeamr::Bounds bounds = grid.bounds();
   double longest = 0.;
   for (int corner = 0; corner < 4; ++corner)
@@ -342,8 +343,8 @@ double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& gri
     {
       diagonal[a] = (corner >> a & 1 ? -1. : 1.) * (bounds.max[a] - bounds.min[a]);
     }
-    const treeamr::Vec3 inWorld = frame.worldVector(diagonal);
-    longest = std::max(longest, std::sqrt(treeamr::dot(inWorld, inWorld)));
+    const treeamr::Vec3 inView = frame.worldVector(diagonal);
+    longest = std::max(longest, std::sqrt(treeamr::dot(inView, inView)));
   }
   return longest;
 }
@@ -426,22 +427,22 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   Internals& internals = *this->Private;
   vtkProperty* property = view.Actor->GetProperty();
   treeamr::SurfaceAppearance appearance;
-  appearance.material = treeamr::convertMaterial(property);
   appearance.lights = treeamr::convertLights(view.Renderer);
+  const bool lit = treeamr::isLit(property, appearance.lights);
+  appearance.material = treeamr::convertMaterial(property, lit);
   appearance.opacity =
     view.Layers == treeamr::SurfaceLayers::All ? static_cast<float>(property->GetOpacity()) : 1.f;
   appearance.flat = property->GetInterpolation() == VTK_FLAT;
-  appearance.ambientOfColors = static_cast<float>(
-    property->GetLighting() ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());
-  appearance.diffuseOfColors = static_cast<float>(property->GetLighting() ? property->GetDiffuse() : 0.);
+  appearance.ambientOfColors =
+    static_cast<float>(lit ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());
+  appearance.diffuseOfColors = static_cast<float>(lit ? property->GetDiffuse() : 0.);
   if (property->GetLighting())
   {
     this->TraceVisibility(view, appearance.lights);
   }
 
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
-    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid),
-    internals.Image);
+    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid), internals.Image);
   if (view.Layers == treeamr::SurfaceLayers::All && !vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
   {
     // VTK's order independent pass would average them.
@@ -452,11 +453,7 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.Actor);
   if (geometry)
   {
-    vtkNew<vtkMatrix4x4> viewFromData;
-    view.Actor->GetMatrix(viewFromData);
-    vtkMatrix4x4::Multiply4x4(
-      view.Renderer->GetActiveCamera()->GetViewTransformMatrix(), viewFromData, viewFromData);
-    treeamr::placeHits(view.Hits, *view.Camera, treeamr::convertMatrix(viewFromData), internals.Image);
+    treeamr::placeHits(view.Hits, *view.Camera, internals.Image);
   }
   view.Picture.Upload(
     vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Viewport, internals.Image, geometry);

@@ -29,6 +29,7 @@
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -44,6 +45,7 @@ struct Frame
 {
   // Not dereferenced.
   std::pair<vtkRenderer*, vtkVolume*> Of{ nullptr, nullptr };
+  int Eye = 0; // of a stereo window
   int Pixels = 0;
   bool Interactive = false;
   double ImageSampleDistance = 0.;
@@ -117,7 +119,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   vtkMTimeType PropertyTime = 0;
   vtkTimeStamp TransferFunctionTime;
   double TransferFunctionSeconds = 0.;
-  treeamr::VolumeSurfaces Surfaces;
+  std::array<treeamr::VolumeSurfaces, 2> Surfaces; // of the field, seen by each eye
   vtkTimeStamp SurfaceTime;
 
   Frame CurrentFrame;
@@ -215,11 +217,12 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   addColumn(table, "ReconstructedCells", frame.Counts.cells);
   addColumn(table, "Intervals", frame.Counts.intervals);
   addColumn(table, "Samples", frame.Counts.samples);
-  const treeamr::Isosurface* surfaces = internals.Surfaces.engine();
+  const treeamr::VolumeSurfaces& seen = internals.Surfaces[frame.Eye];
+  const treeamr::Isosurface* surfaces = seen.engine();
   const treeamr::IsosurfaceStatistics ofSurfaces =
     surfaces ? surfaces->statistics() : treeamr::IsosurfaceStatistics();
   addColumn(table, "SurfaceBytes", ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes);
-  addColumn(table, "SurfaceHits", internals.Surfaces.hits().image.hits.size());
+  addColumn(table, "SurfaceHits", seen.hits().image.hits.size());
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
   addColumn(table, "SamplesPerCell", frame.SamplesPerCell);
@@ -351,18 +354,23 @@ void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkVolume* volume)
+void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume)
 {
   Internals& internals = *this->Private;
   vtkContourValues* contours = volume->GetProperty()->GetIsoSurfaceValues();
   const int count = contours->GetNumberOfContours();
   if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces))
   {
-    internals.Surfaces.release();
+    internals.Surfaces = {};
     return;
   }
+  if (!renderer->GetRenderWindow()->GetStereoRender())
+  {
+    internals.Surfaces[1].release();
+  }
   const double* isovalues = contours->GetValues();
-  if (internals.Surfaces.build(internals.Field, std::vector<double>(isovalues, isovalues + count)))
+  if (internals.Surfaces[treeamr::eyeOf(renderer)].build(
+        internals.Field, std::vector<double>(isovalues, isovalues + count)))
   {
     internals.SurfaceTime.Modified();
     internals.SampleDistances.clear();
@@ -382,6 +390,7 @@ void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume
 
   Frame frame;
   frame.Of = { renderer, volume };
+  frame.Eye = treeamr::eyeOf(renderer);
   frame.Pixels = pixels;
   frame.ImageSampleDistance = this->ImageSampleDistance;
   if (this->AutoAdjustSampleDistances)
@@ -465,10 +474,10 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   this->UpdateField();
   this->UpdateVertexCache();
   this->UpdateTransferFunction(volume);
-  this->UpdateIsosurfaces(volume);
+  this->UpdateIsosurfaces(renderer, volume);
   const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
   const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
-  const treeamr::Matrix4 worldFromData = treeamr::worldFromData(volume);
+  treeamr::VolumeSurfaces& ownSurfaces = internals.Surfaces[treeamr::eyeOf(renderer)];
 
   std::optional<treeamr::TranslucentHits> surfaces;
   const bool peeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
@@ -485,17 +494,19 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
     const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
     if (!rays.IsEmpty())
     {
-      const treeamr::Camera camera(clipFromData, worldFromData, reduction.width(), reduction.height());
+      // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's scale.
+      const treeamr::Camera camera(clipFromData, reduction.width(), reduction.height());
       const treeamr::DepthInterval interval{ rays.Begin.empty() ? nullptr : rays.Begin.data(),
         rays.End.empty() ? nullptr : rays.End.data() };
-      if (internals.Surfaces.engine() && !surfaces) // the same for the other part of the rays
+      if (ownSurfaces.engine() && !surfaces) // the same for the other part of the rays
       {
         const Stopwatch stopwatch(frame.RayCastingSeconds);
-        internals.Surfaces.trace(clipFromData, worldFromData, reduction.width(), reduction.height());
-        internals.Surfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
-                                   internals.Surfaces.engine()->isovalues(), this->IsosurfaceOpacityScale),
-          treeamr::convertLights(renderer));
-        surfaces.emplace(internals.Surfaces.hits());
+        ownSurfaces.trace(clipFromData, reduction.width(), reduction.height());
+        const std::vector<treeamr::Light> lights = treeamr::convertLights(renderer);
+        ownSurfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
+                            ownSurfaces.engine()->isovalues(), this->IsosurfaceOpacityScale, lights),
+          lights, treeamr::viewFromData(renderer, volume));
+        surfaces.emplace(ownSurfaces.hits());
       }
       this->CastRays(camera, interval, surfaces ? &*surfaces : nullptr, peeling, result.Image);
     }

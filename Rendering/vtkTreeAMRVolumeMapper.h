@@ -4,7 +4,7 @@
  *
  * The field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation):
  * continuous across refinement levels, without resampling. A volume mapper like VTK's own: colours, scalar
- * opacity and its unit distance (in world units) come from the vtkVolume's vtkVolumeProperty, component 0;
+ * opacity and its unit distance (in data units: a scaled volume looks the same) come from the vtkVolume's vtkVolumeProperty, component 0;
  * the array from SelectScalarArray() and ScalarMode. Without a selection it is the active scalars or, when
  * there are none, the first cell array.
  *
@@ -230,7 +230,7 @@ private:
   void UpdateField();
   void UpdateVertexCache();
   void UpdateTransferFunction(vtkVolume* volume);
-  void UpdateIsosurfaces(vtkVolume* volume);
+  void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);
   void StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels);
   void CastRays(const treeamr::Camera& camera, const treeamr::DepthInterval& interval,
     const treeamr::TranslucentHits* surfaces, bool isPart, treeamr::Image& image);

@@ -96,6 +96,11 @@ Camera::Camera(const Matrix4& clipFromData, const Matrix4& worldFromData, int wi
   }
 }
 
+Camera::Camera(const Matrix4& clipFromData, int width, int height)
+  : Camera(clipFromData, { 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1. }, width, height)
+{
+}
+
 Vec3 Camera::unproject(double x, double y, double z) const noexcept
 {
   const Matrix4& m = dataFromClip_;

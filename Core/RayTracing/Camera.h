@@ -38,6 +38,8 @@ public:
   /// worldFromData: the prop's matrix; only lengths along rays are taken from it.
   /// width x height pixels; pixel (0, 0) is at the lower left. Throws Error for a singular matrix.
   Camera(const Matrix4& clipFromData, const Matrix4& worldFromData, int width, int height);
+  /// Lengths along rays are those of data coordinates.
+  Camera(const Matrix4& clipFromData, int width, int height);
 
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }

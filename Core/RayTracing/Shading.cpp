@@ -63,12 +63,17 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     {
       continue;
     }
-    Vec3 mirrored;
-    for (int a = 0; a < 3; ++a)
+    double closeness = cosine;
+    if (!light.highlightByCosine)
     {
-      mirrored[a] = travels[a] + 2. * cosine * normal[a];
+      Vec3 mirrored;
+      for (int a = 0; a < 3; ++a)
+      {
+        mirrored[a] = travels[a] + 2. * cosine * normal[a];
+      }
+      closeness = std::max(0., dot(mirrored, toEye));
     }
-    const double highlight = std::pow(std::max(0., dot(mirrored, toEye)), material.specularPower);
+    const double highlight = std::pow(closeness, material.specularPower);
     for (int c = 0; c < 3; ++c)
     {
       sum[c] += strength * light.color[c] * (cosine * material.diffuse[c] + highlight * material.specular[c]);

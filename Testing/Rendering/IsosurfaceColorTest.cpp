@@ -1,6 +1,7 @@
 // Colours of isosurfaces by arrays.
 #include "PlaneSurface.h"
 
+#include "vtkActorCollection.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkLookupTable.h"
@@ -97,6 +98,24 @@ TEST_F(IsosurfaceColorTest, anotherArray)
   expectColors(scene, byTable);
   EXPECT_EQ(table->GetRange()[0], -0.4);
   EXPECT_EQ(mapper->GetSurfaceBuildTime(), built);
+}
+
+TEST_F(IsosurfaceColorTest, withoutLights)
+{
+  Scene scene;
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, planeGrid(), "x");
+  const auto table = makeTable(-0.8, 0.9);
+  mapper->SetLookupTable(table);
+  mapper->UseLookupTableScalarRangeOn();
+  vtkProperty* property = scene.renderer->GetActors()->GetLastActor()->GetProperty();
+  property->LightingOn();
+  property->SetAmbient(0.3);
+  property->SetDiffuse(0.7);
+  scene.renderer->SetAutomaticLightCreation(false);
+  expectColors(scene, [&](const Point& p, Color& color) {
+    table->GetColor(p[0], color.data());
+    return true;
+  });
 }
 
 TEST_F(IsosurfaceColorTest, activeScalars)

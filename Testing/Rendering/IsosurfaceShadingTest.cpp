@@ -1,9 +1,12 @@
 // Lighting and ambient occlusion of isosurfaces against VTK's own polygons.
 #include "PlaneSurface.h"
 
+#include "vtkContourValues.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkLightKit.h"
+#include "vtkPolyDataMapper.h"
+#include "vtkSphereSource.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,6 +103,7 @@ protected:
     camera->SetClippingRange(0.1, 5.);
     scene_.renderer->RemoveAllLights();
     scene_.renderer->SetAutomaticLightCreation(false);
+    addLight(0.)->SetIntensity(0.); // without any light surfaces show their colours unlit
     actor_->GetProperty()->SetAmbient(0.4);
     actor_->GetProperty()->SetDiffuse(0.5);
   }
@@ -196,6 +200,94 @@ TEST_F(IsosurfaceLightingTest, curvedSurfaceInSmoothAndFlatInterpolation)
 TEST_F(IsosurfaceLightingTest, lightingOff)
 {
   expectSameAsPolygon([](Scene&, vtkActor* actor) { actor->GetProperty()->LightingOff(); });
+}
+
+// What VTK shows of polygons where no light shines: all of their colour.
+TEST_F(IsosurfaceLightingTest, noLights)
+{
+  expectSameAsPolygon([](Scene& scene, vtkActor* actor) {
+    actor->GetProperty()->SetSpecular(0.5);
+    scene.renderer->SetAutomaticLightCreation(false);
+  });
+  expectSameAsPolygon([](Scene& scene, vtkActor* actor) {
+    actor->GetProperty()->SetSpecular(0.5);
+    scene.renderer->SetAutomaticLightCreation(false);
+    vtkNew<vtkLight> off;
+    off->SwitchOff();
+    off->PositionalOn();
+    scene.renderer->AddLight(off);
+  });
+}
+
+// Spheres in the same light: the whole of the highlight, which the mirrored light of a headlight would have smaller.
+TEST_F(IsosurfaceLightingTest, highlightsOfASphere)
+{
+  constexpr double radius = 0.7;
+  GridOptions options;
+  options.roots = { 32, 32, 32 };
+  const auto grid =
+    makeGrid(options, { { "r", [](const Point& p) { return std::hypot(p[0], p[1], p[2]); } } });
+  const auto shine = [](auto* property) {
+    property->SetAmbient(0.1);
+    property->SetDiffuse(0.3);
+    property->SetSpecular(0.6);
+    property->SetSpecularPower(15.);
+  };
+  const auto highlightOf = [&](const std::function<void(Scene&)>& add, bool parallel, bool sceneLight) {
+    Scene scene(160, 120);
+    add(scene);
+    scene.setCamera(parallel);
+    scene.renderer->GetActiveCamera()->SetParallelScale(0.8);
+    scene.renderer->GetActiveCamera()->SetViewAngle(50.);
+    scene.renderer->GetActiveCamera()->SetPosition(1.2, 0.9, 1.6);
+    scene.renderer->ResetCameraClippingRange();
+    if (sceneLight)
+    {
+      vtkNew<vtkLight> light;
+      light->SetLightTypeToSceneLight();
+      light->SetPosition(1., 3., 2.);
+      scene.renderer->AddLight(light);
+    }
+    int bright = 0;
+    for (const auto& pixel : scene.render())
+    {
+      bright += pixel[0] > 0.6;
+    }
+    return bright;
+  };
+  for (const auto& [parallel, sceneLight] :
+    { std::pair(false, false), { true, false }, { false, true }, { true, true } })
+  {
+    const int polygons = highlightOf(
+      [&](Scene& scene) {
+        vtkNew<vtkSphereSource> sphere;
+        sphere->SetRadius(radius);
+        sphere->SetThetaResolution(120);
+        sphere->SetPhiResolution(120);
+        vtkNew<vtkPolyDataMapper> mapper;
+        mapper->SetInputConnection(sphere->GetOutputPort());
+        vtkNew<vtkActor> actor;
+        actor->SetMapper(mapper);
+        shine(actor->GetProperty());
+        scene.renderer->AddActor(actor);
+      },
+      parallel, sceneLight);
+    const int actor =
+      highlightOf([&](Scene& scene) { shine(scene.addIsosurface(grid, "r", radius)->GetProperty()); },
+        parallel, sceneLight);
+    const int volume = highlightOf(
+      [&](Scene& scene) {
+        vtkVolume* prop = scene.addVolume(grid, "r", { 1., 1., 1. }, 100.);
+        prop->GetProperty()->GetIsoSurfaceValues()->SetValue(0, radius);
+        prop->GetProperty()->ShadeOn();
+        shine(prop->GetProperty());
+        Scene::mapperOf(prop)->SetBlendModeToIsoSurface();
+      },
+      parallel, sceneLight);
+    EXPECT_GT(polygons, 150);
+    EXPECT_NEAR(actor, polygons, 0.03 * polygons) << parallel << sceneLight;
+    EXPECT_NEAR(volume, polygons, 0.03 * polygons) << parallel << sceneLight;
+  }
 }
 
 TEST_F(IsosurfaceLightingTest, directionalLights)
@@ -393,6 +485,28 @@ TEST_F(IsosurfaceVisibilityTest, ambientOcclusionGathersInInteractiveFrames)
   EXPECT_EQ(scene_.render(), still);
 }
 
+// Each eye gathers its own: two pictures in turn, which would be one that starts again with every frame.
+TEST_F(IsosurfaceVisibilityTest, ambientOcclusionGathersForBothEyes)
+{
+  constexpr int frames = 4;
+  mapper_->SetAmbientOcclusionRadius(1.25 * gap / diagonal);
+  mapper_->SetAmbientOcclusionSamples(frames * vtkTreeAMRIsosurfaceMapper::InteractiveSamples);
+  scene_.renderer->GetActiveCamera()->SetEyeAngle(20.);
+  scene_.window->SetStereoTypeToRedBlue();
+  scene_.window->StereoRenderOn();
+  const auto still = scene_.render();
+  scene_.renderer->GetActiveCamera()->Azimuth(1.);
+  scene_.render();
+  scene_.renderer->GetActiveCamera()->Azimuth(-1.);
+  scene_.window->SetDesiredUpdateRate(15.);
+  EXPECT_NE(scene_.render(), still);
+  for (int i = 1; i < frames; ++i)
+  {
+    scene_.render();
+  }
+  EXPECT_EQ(scene_.render(), still);
+}
+
 TEST_F(IsosurfaceVisibilityTest, shadows)
 {
   vtkLight* outside = addLight(0.9);
@@ -412,6 +526,6 @@ TEST_F(IsosurfaceVisibilityTest, shadows)
   EXPECT_GT(meanOf(scene_.render()), 0.7);
   mapper_->ShadowsOff();
   outside->SetPosition(0., 0., 0.9);
-  scene_.renderer->GetLights()->RemoveItem(1);
+  scene_.renderer->GetLights()->RemoveItem(2);
   EXPECT_EQ(scene_.render(), unshadowed);
 }
