@@ -158,6 +158,26 @@ TEST_F(CameraTest, modelTransformMatrix)
   }));
 }
 
+// What has been drawn before does not stay.
+TEST_F(CameraTest, changesBetweenFrames)
+{
+  expectSameAsPolygons([](Scene& scene) {
+    scene.render();
+    vtkCamera* camera = scene.renderer->GetActiveCamera();
+    vtkNew<vtkTransform> model;
+    model->RotateX(30.);
+    camera->SetModelTransformMatrix(model->GetMatrix());
+    scene.renderer->ResetCameraClippingRange();
+    scene.render();
+    scene.window->SetStereoTypeToRight();
+    scene.window->StereoRenderOn();
+    camera->SetEyeAngle(25.);
+    scene.render();
+    model->Translate(0., 0.5, 0.);
+    camera->SetModelTransformMatrix(model->GetMatrix());
+  });
+}
+
 TEST_F(CameraTest, offAxisProjection)
 {
   for (const bool left : { true, false })

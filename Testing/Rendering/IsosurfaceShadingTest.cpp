@@ -5,8 +5,10 @@
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkLightKit.h"
+#include "vtkOpenGLRenderer.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkSphereSource.h"
+#include "vtkTransform.h"
 
 #include <algorithm>
 #include <cmath>
@@ -356,6 +358,39 @@ TEST_F(IsosurfaceLightingTest, lightKitOnARotatedAndUnevenlyScaledActor)
     kit->AddLightsToRenderer(scene.renderer);
     scene.renderer->SetAutomaticLightCreation(false);
   });
+}
+
+// The camera's own matrix turns the lights of the scene with the scene, and a user's moves the others.
+TEST_F(IsosurfaceLightingTest, modelTransformOfTheCameraAndUserTransformOfLights)
+{
+  for (const bool headlightAlone : { true, false })
+  {
+    expectSameAsPolygon([&](Scene& scene, vtkActor* actor) {
+      actor->GetProperty()->SetSpecular(0.5);
+      actor->GetProperty()->SetSpecularPower(6.);
+      vtkNew<vtkTransform> model;
+      model->RotateWXYZ(25., 1., -2., 0.5);
+      model->Scale(1.1, 0.8, 0.9);
+      scene.renderer->GetActiveCamera()->SetModelTransformMatrix(model->GetMatrix());
+      vtkNew<vtkTransform> ofLights;
+      ofLights->RotateX(20.);
+      vtkOpenGLRenderer::SafeDownCast(scene.renderer)->SetUserLightTransform(ofLights);
+      if (!headlightAlone)
+      {
+        vtkNew<vtkLight> light;
+        light->SetLightTypeToSceneLight();
+        light->PositionalOn();
+        light->SetPosition(-0.5, 1.5, 2.);
+        light->SetConeAngle(60.);
+        scene.renderer->AddLight(light);
+        vtkNew<vtkLight> lamp;
+        lamp->SetLightTypeToCameraLight();
+        lamp->SetPosition(1., 0.5, 1.);
+        lamp->SetIntensity(0.5);
+        scene.renderer->AddLight(lamp);
+      }
+    });
+  }
 }
 
 TEST_F(IsosurfaceLightingTest, lightsOnBothSides)
