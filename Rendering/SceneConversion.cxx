@@ -175,9 +175,15 @@ Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
   return timesPropMatrix(keyMatrices(renderer).clipFromWorld, prop);
 }
 
+bool isStereo(vtkRenderer* renderer)
+{
+  vtkRenderWindow* window = renderer->GetRenderWindow();
+  return window && window->GetStereoRender();
+}
+
 int eyeOf(vtkRenderer* renderer)
 {
-  return renderer->GetRenderWindow()->GetStereoRender() && !renderer->GetActiveCamera()->GetLeftEye() ? 1 : 0;
+  return isStereo(renderer) && !renderer->GetActiveCamera()->GetLeftEye() ? 1 : 0;
 }
 
 bool isInteractive(vtkRenderer* renderer)

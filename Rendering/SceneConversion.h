@@ -23,6 +23,8 @@ namespace treeamr
 Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop);
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop);
 
+/// Whether its window draws a picture for each eye.
+bool isStereo(vtkRenderer* renderer);
 /// 1 while a stereo window draws the picture of the right eye, else 0.
 int eyeOf(vtkRenderer* renderer);
 

@@ -364,7 +364,7 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
     internals.Surfaces = {};
     return;
   }
-  if (!renderer->GetRenderWindow()->GetStereoRender())
+  if (!treeamr::isStereo(renderer))
   {
     internals.Surfaces[1].release();
   }

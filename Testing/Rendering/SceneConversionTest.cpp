@@ -234,7 +234,8 @@ TEST_F(TransferFunctionTest, surfaceMaterials)
       property->SetShade(shaded);
       for (const double scale : { 0., 0.5, 1., 3. })
       {
-        const std::vector<SurfaceMaterial> surfaces = convertSurfaceMaterials(property, isovalues, scale);
+        const std::vector<SurfaceMaterial> surfaces =
+          convertSurfaceMaterials(property, isovalues, scale, { Light() });
         ASSERT_EQ(surfaces.size(), isovalues.size());
         for (std::size_t i = 0; i < surfaces.size(); ++i)
         {
