@@ -1,8 +1,9 @@
 // The cache of fields and octrees in front of the conversion.
 #include "HyperTreeGridConverter.h"
 
-#include "HyperTreeGridSource.h"
+#include "CategoryNumbers.h"
 
+#include "vtkDataArray.h"
 #include "vtkMath.h"
 
 #include <oneapi/tbb/task_arena.h>
@@ -33,43 +34,65 @@ struct FieldKey
 class FieldCache
 {
 public:
-  /// One caller builds at a time. The others wait for the lock and find the result.
-  std::shared_ptr<const Field> acquire(
+  std::shared_ptr<const Field> acquireField(
     HyperTreeGridTopology& topology, const CellValues& values, bool withNodeRanges)
+  {
+    return acquire(fields_, topology, values, withNodeRanges,
+      [&](const ContentDigest& octreeKey) { return build(topology, octreeKey, values); });
+  }
+
+  std::shared_ptr<const Categories> acquireCategories(
+    HyperTreeGridTopology& topology, const CellValues& values, bool withNodeRanges)
+  {
+    return acquire(categories_, topology, values, withNodeRanges, [&](const ContentDigest& octreeKey) {
+      const CategoryNumbers numbers(topology, values);
+      return Categories{ build(topology, octreeKey, numbers), arrayOf(numbers.categories(), values) };
+    });
+  }
+
+private:
+  template <class Made>
+  using Entries = std::map<FieldKey, std::weak_ptr<const Made>>;
+
+  /// One caller builds at a time. The others wait for the lock and find the result. build: from the octree's key.
+  template <class Made, class Build>
+  std::shared_ptr<const Made> acquire(Entries<Made>& entries, HyperTreeGridTopology& topology,
+    const CellValues& values, bool withNodeRanges, const Build& build)
   {
     const FieldKey key{ topology.octreeDigest(), topology.globalIndexDigest(), &values.array(),
       values.array().GetMTime(), values.component() };
     const std::scoped_lock lock(mutex_);
     std::erase_if(octrees_, [](const auto& entry) { return entry.second.expired(); });
-    std::erase_if(fields_, [](const auto& entry) { return entry.second.expired(); });
+    std::erase_if(entries, [](const auto& entry) { return entry.second.expired(); });
 
-    std::shared_ptr<const Field> field;
-    if (const auto found = fields_.find(key); found != fields_.end())
+    std::shared_ptr<const Made> found;
+    if (const auto at = entries.find(key); at != entries.end())
     {
-      field = found->second.lock();
+      found = at->second.lock();
     }
-    if (field && (field->hasNodeRanges() || !withNodeRanges))
+    if (found && (found->hasNodeRanges() || !withNodeRanges))
     {
-      return field;
+      return found;
     }
     // Without isolation this thread, waiting for its workers, could start a task of somebody else that comes
     // here again and would wait for the lock that this thread holds.
     tbb::this_task_arena::isolate([&] {
       // Two branches: a conditional expression would copy what is built.
-      auto made = field ? std::make_shared<Field>(*field)
-                        : std::make_shared<Field>(build(topology, key.topology, values));
+      auto made = found ? std::make_shared<Made>(*found)
+                        : std::make_shared<Made>(build(cutNonFinite(topology, key.topology, values)));
       if (withNodeRanges)
       {
         made->computeNodeRanges();
       }
-      field = std::move(made);
+      found = std::move(made);
     });
-    fields_[key] = field;
-    return field;
+    entries[key] = found;
+    return found;
   }
 
-private:
-  Field build(HyperTreeGridTopology& topology, ContentDigest octreeKey, const CellValues& values)
+  /// The key of the octree that is left.
+  static ContentDigest cutNonFinite(
+    HyperTreeGridTopology& topology, ContentDigest octreeKey, const CellValues& values)
   {
     const bool hadCells = topology.hasCells();
     if (topology.excludeNonFinite([&](vtkIdType index) { return values.isFinite(index); }))
@@ -82,7 +105,13 @@ private:
             std::string(values.array().GetName()) + "'"
                            : "hyper tree grid: all cells are masked or hidden");
     }
-    const HyperTreeGridSource source(topology, values);
+    return octreeKey;
+  }
+
+  template <class Values>
+  Field build(HyperTreeGridTopology& topology, const ContentDigest& octreeKey, const Values& values)
+  {
+    const HyperTreeGridSource<Values> source(topology, values);
     std::weak_ptr<const Octree>& cached = octrees_[octreeKey];
     if (std::shared_ptr<const Octree> octree = cached.lock())
     {
@@ -94,20 +123,50 @@ private:
     return Field(std::move(built.octree), std::move(built.values));
   }
 
+  static vtkSmartPointer<vtkDataArray> arrayOf(const std::vector<double>& numbers, const CellValues& values)
+  {
+    const int type = values.array().GetDataType();
+    const auto array =
+      vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(values.component() < 0 ? VTK_DOUBLE
+          : type == VTK_BIT ? VTK_UNSIGNED_CHAR // VTK looks no bits up
+                            : type));
+    array->SetNumberOfTuples(static_cast<vtkIdType>(numbers.size()));
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+    {
+      array->SetComponent(static_cast<vtkIdType>(i), 0, numbers[i]);
+    }
+    return array;
+  }
+
   std::mutex mutex_;
   std::map<ContentDigest, std::weak_ptr<const Octree>> octrees_;
-  std::map<FieldKey, std::weak_ptr<const Field>> fields_;
+  Entries<Field> fields_;
+  Entries<Categories> categories_;
 };
+
+/// For the whole process.
+FieldCache& fieldCache()
+{
+  static FieldCache cache;
+  return cache;
+}
 
 } // namespace
 
 std::shared_ptr<const Field> acquireField(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
 {
-  static FieldCache cache;
   HyperTreeGridTopology topology(grid);
   const CellValues values(*grid, selection, topology.globalIndexEnd());
-  return cache.acquire(topology, values, withNodeRanges);
+  return fieldCache().acquireField(topology, values, withNodeRanges);
+}
+
+std::shared_ptr<const Categories> acquireCategories(
+  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+{
+  HyperTreeGridTopology topology(grid);
+  const CellValues values(*grid, selection, topology.globalIndexEnd());
+  return fieldCache().acquireCategories(topology, values, withNodeRanges);
 }
 
 vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)

@@ -10,11 +10,13 @@
 
 #include "Octree/Field.h"
 
+#include "vtkSmartPointer.h"
 #include "vtkType.h"
 
 #include <memory>
 #include <string>
 
+class vtkDataArray;
 class vtkHyperTreeGrid;
 
 namespace treeamr
@@ -38,6 +40,23 @@ struct ArraySelection
 /// neither strictly increase nor strictly decrease (a mirrored grid), when it is too deep for RootGrid, and when
 /// the array does not exist, is not numeric, is too short or has no such component.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
+  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+
+/// An array whose values are names rather than quantities (VTK's indexed look-up).
+struct Categories
+{
+  /// Each leaf's place in `values`; at the grid's depth limit of the value with the largest volume below.
+  Field numbers;
+  /// Those of the cells, each once, ascending, of the array's type; magnitudes are double, bits unsigned char.
+  vtkSmartPointer<vtkDataArray> values;
+
+  bool hasNodeRanges() const noexcept { return numbers.hasNodeRanges(); }
+  void computeNodeRanges() { numbers.computeNodeRanges(); }
+};
+
+/// As acquireField(), and in the same cache. Values are read as double: whole numbers beyond 2^53 may become one. Throws
+/// Error also for more different values than TransferFunction::mostCategories.
+VTKTREEAMRREADER_EXPORT std::shared_ptr<const Categories> acquireCategories(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
 
 /// The place in the cell arrays of the values of a cell, leaf or coarse, of a grid that acquireField() takes. Throws

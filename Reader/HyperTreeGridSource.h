@@ -83,6 +83,22 @@ public:
   /// Negative: the magnitude.
   int component() const noexcept { return component_; }
 
+  /// The mean.
+  class Blend
+  {
+  public:
+    void add(double value, double weight)
+    {
+      sum_ += weight * value;
+      weight_ += weight;
+    }
+    double value() const { return sum_ / weight_; }
+
+  private:
+    double sum_ = 0.;
+    double weight_ = 0.;
+  };
+
 private:
   static std::string numericArrayNames(vtkCellData& cells)
   {
@@ -105,7 +121,8 @@ private:
   int component_ = 0;
 };
 
-/// A Source as OctreeBuilder.h describes it. Keeps references to both arguments.
+/// A Source as OctreeBuilder.h describes it. Keeps references to both arguments. Values: CellValues or like these.
+template <class Values>
 class HyperTreeGridSource
 {
 public:
@@ -116,7 +133,7 @@ public:
     std::uint32_t level;
   };
 
-  HyperTreeGridSource(const HyperTreeGridTopology& topology, const CellValues& values)
+  HyperTreeGridSource(const HyperTreeGridTopology& topology, const Values& values)
     : topology_(topology)
     , values_(values)
   {
@@ -142,7 +159,7 @@ public:
     return { handle.tree, static_cast<std::uint32_t>(vertex), handle.level + 1 };
   }
 
-  /// At the depth limit the mean of the leaves below, by volume: coarse vertices may hold anything.
+  /// At the depth limit the leaves below, by volume: coarse vertices may hold anything.
   float value(const Handle& handle) const
   {
     const HyperTreeView& tree = topology_.trees()[handle.tree];
@@ -150,9 +167,9 @@ public:
     {
       return static_cast<float>(values_(tree.globalIndex(handle.vertex)));
     }
-    WeightedSum sum;
-    addLeaves(tree, handle.vertex, handle.level, 1., sum);
-    return static_cast<float>(sum.value / sum.weight);
+    typename Values::Blend blend;
+    addLeaves(tree, handle.vertex, handle.level, 1., blend);
+    return static_cast<float>(blend.value());
   }
 
   bool ghosts() const noexcept { return topology_.hasGhosts(); }
@@ -162,19 +179,13 @@ public:
   }
 
 private:
-  struct WeightedSum
-  {
-    double value = 0.;
-    double weight = 0.;
-  };
-
   bool isLeaf(const HyperTreeView& tree, const Handle& handle) const noexcept
   {
     return handle.level >= topology_.depthLimit() || tree.isLeaf(handle.vertex);
   }
 
-  void addLeaves(
-    const HyperTreeView& tree, vtkIdType vertex, unsigned int level, double weight, WeightedSum& sum) const
+  void addLeaves(const HyperTreeView& tree, vtkIdType vertex, unsigned int level, double weight,
+    typename Values::Blend& blend) const
   {
     if (!topology_.exists(tree, vertex))
     {
@@ -182,19 +193,18 @@ private:
     }
     if (tree.isLeaf(vertex))
     {
-      sum.value += weight * values_(tree.globalIndex(vertex));
-      sum.weight += weight;
+      blend.add(values_(tree.globalIndex(vertex)), weight);
       return;
     }
     topology_.checkDepth(level); // bounds the recursion
     for (int o = 0; o < 8; ++o)
     {
-      addLeaves(tree, tree.firstChild(vertex) + o, level + 1, weight / 8., sum);
+      addLeaves(tree, tree.firstChild(vertex) + o, level + 1, weight / 8., blend);
     }
   }
 
   const HyperTreeGridTopology& topology_;
-  const CellValues& values_;
+  const Values& values_;
 };
 
 } // namespace treeamr

@@ -106,6 +106,18 @@ public:
   /// Throws Error when coarse vertices of the level have children too deep for the root grid.
   void checkDepth(unsigned int level) const;
 
+  /// Calls body(global index) for every leaf that exists, from several threads.
+  template <class Body>
+  void forEachLeaf(const Body& body) const
+  {
+    forEachVertex([&](const HyperTreeView& tree, vtkIdType v) {
+      if (tree.isLeaf(v) && exists(tree, v))
+      {
+        body(tree.globalIndex(v));
+      }
+    });
+  }
+
   /// Leaves out the leaves for which isFinite(global index), called from several threads, is false. False:
   /// none.
   template <class IsFinite>

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <mutex>
 #include <new>
+#include <type_traits>
 
 namespace treeamr
 {
@@ -117,7 +118,8 @@ bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySel
     std::max(a.component, -1) == std::max(b.component, -1);
 }
 
-const std::shared_ptr<const Field>& FieldSlot::acquire(
+template <class Made>
+const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
 {
   const vtkMTimeType time = grid ? gridModificationTime(grid) : 0;
@@ -127,7 +129,7 @@ const std::shared_ptr<const Field>& FieldSlot::acquire(
   {
     throw Error(failure_);
   }
-  if (!known || !field_ || (withNodeRanges && !field_->hasNodeRanges()))
+  if (!known || !made_ || (withNodeRanges && !made_->hasNodeRanges()))
   {
     grid_ = grid;
     time_ = time;
@@ -135,23 +137,33 @@ const std::shared_ptr<const Field>& FieldSlot::acquire(
     failure_.clear();
     try
     {
-      // The old field lives until the new one is there: they may share an octree.
-      field_ = acquireField(grid, selection, withNodeRanges);
+      // The old one lives until the new one is there: they may share an octree.
+      if constexpr (std::is_same_v<Made, Categories>)
+      {
+        made_ = acquireCategories(grid, selection, withNodeRanges);
+      }
+      else
+      {
+        made_ = acquireField(grid, selection, withNodeRanges);
+      }
     }
     catch (const Error& error)
     {
-      field_.reset();
+      made_.reset();
       failure_ = error.what();
       throw;
     }
     catch (...)
     {
-      field_.reset(); // the old one is not what was asked for; another time there may be memory
+      made_.reset(); // the old one is not what was asked for; another time there may be memory
       throw;
     }
   }
-  return field_;
+  return made_;
 }
+
+template class InputSlot<Field>;
+template class InputSlot<Categories>;
 
 std::shared_ptr<const Isosurface> acquireIsosurface(
   const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues)

@@ -36,23 +36,29 @@ std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int ac
 /// Whether two selections mean the same values: a scalar array has one component and is its own magnitude.
 bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySelection& b);
 
-/// The field of one array, made again only when grid or selection change. A failure is kept, too: reading an
-/// unfit array again at every frame would take as long as reading a fit one.
-class FieldSlot
+/// What one array is converted to, made again only when grid or selection change. A failure is kept, too: reading an
+/// unfit array again at every frame would take as long as reading a fit one. Made: Field or Categories.
+template <class Made>
+class InputSlot
 {
 public:
-  /// Throws Error as acquireField().
-  const std::shared_ptr<const Field>& acquire(
+  /// Throws Error as acquireField() and acquireCategories().
+  const std::shared_ptr<const Made>& acquire(
     vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+  /// For when it is not needed any more.
+  void release() { *this = InputSlot(); }
 
 private:
   // Not dereferenced; a new grid at an old address has another modification time.
   vtkHyperTreeGrid* grid_ = nullptr;
   vtkMTimeType time_ = 0;
   ArraySelection selection_;
-  std::shared_ptr<const Field> field_;
+  std::shared_ptr<const Made> made_;
   std::string failure_;
 };
+
+using FieldSlot = InputSlot<Field>;
+using CategorySlot = InputSlot<Categories>;
 
 /// The surfaces of a field, shared by all who ask for the same. Throws Error as Isosurface.
 std::shared_ptr<const Isosurface> acquireIsosurface(

@@ -4,6 +4,7 @@
 
 #include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMath.h"
@@ -92,11 +93,16 @@ public:
 
   double opacity(double value) const { return opacity_->GetValue(value); }
 
+  float extinction(double value) const
+  {
+    return TransferFunction::extinctionFromOpacity(opacity(value), unitDistance_);
+  }
+
   TransferFunction::Entry at(double value) const
   {
     const Vec3 rgb = color(value);
     return { static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]),
-      TransferFunction::extinctionFromOpacity(opacity(value), unitDistance_) };
+      extinction(value) };
   }
 
 private:
@@ -105,6 +111,16 @@ private:
   vtkColorTransferFunction* color_;
   double unitDistance_;
 };
+
+void checkUnitDistance(vtkVolumeProperty* property)
+{
+  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
+  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
+  {
+    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
+      ", allowed are positive lengths");
+  }
+}
 
 /// Transposed, as OpenGL has them.
 struct KeyMatrices
@@ -271,12 +287,7 @@ Material convertMaterial(vtkProperty* property, bool lit)
 
 TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange)
 {
-  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
-  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
-  {
-    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
-      ", allowed are positive lengths");
-  }
+  checkUnitDistance(property);
   const PropertyFunctions functions(property);
   Interval part = functions.nodeRange();
   if (!(part.min < part.max))
@@ -312,6 +323,36 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
     entries[i] = functions.at(value);
   }
   return TransferFunction(part.min - beyond * step, part.max + beyond * step, std::move(entries));
+}
+
+bool hasCategories(vtkVolumeProperty* property)
+{
+  return property->GetColorChannels(0) == 3 && property->GetRGBTransferFunction(0)->GetIndexedLookup();
+}
+
+TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values)
+{
+  checkUnitDistance(property);
+  const PropertyFunctions functions(property);
+  vtkColorTransferFunction* table = property->GetRGBTransferFunction(0);
+  // What a function without nodes maps nothing to.
+  std::array<unsigned char, 4> nothing{};
+  for (int c = 0; c < 3; ++c)
+  {
+    nothing[c] = static_cast<unsigned char>(255. * table->GetNanColor()[c] + 0.5);
+  }
+  std::vector<std::array<unsigned char, 4>> colors(
+    static_cast<std::size_t>(values->GetNumberOfTuples()), nothing);
+  table->Build();
+  table->MapScalarsThroughTable(values, colors.front().data(), VTK_RGBA);
+  std::vector<TransferFunction::Entry> entries;
+  entries.reserve(colors.size());
+  for (const std::array<unsigned char, 4>& rgba : colors)
+  {
+    const double value = values->GetComponent(static_cast<vtkIdType>(entries.size()), 0);
+    entries.push_back({ rgba[0] / 255.f, rgba[1] / 255.f, rgba[2] / 255.f, functions.extinction(value) });
+  }
+  return TransferFunction::ofCategories(std::move(entries));
 }
 
 std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,

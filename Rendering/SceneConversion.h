@@ -9,6 +9,7 @@
 
 #include <vector>
 
+class vtkDataArray;
 class vtkProp3D;
 class vtkProperty;
 class vtkRenderer;
@@ -42,6 +43,13 @@ Material convertMaterial(vtkProperty* property, bool lit);
 /// spent on the part of it that the functions distinguish. Throws Error for a unit distance that is not
 /// positive.
 TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange);
+
+/// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with nothing in
+/// between.
+bool hasCategories(vtkVolumeProperty* property);
+/// For the numbers of these values, which the property has the colours of, as VTK colours surfaces by them, and
+/// opacities. Throws Error as convertTransferFunction().
+TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values);
 
 /// How VTK's own volume mapper shows the surfaces of isovalues: the functions at the isovalue give colour and
 /// opacity, whatever the unit distance; without shading the colour is all there is, and with it but without light

@@ -97,6 +97,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   vtkTreeAMRFramebuffer Framebuffer;
   treeamr::FieldSlot ContourSlot;
   treeamr::FieldSlot ColorSlot;
+  treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
   treeamr::OnceReporter Errors;
   treeamr::OnceReporter Warnings;
@@ -366,7 +367,23 @@ treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTre
   {
     return {};
   }
-  if (treeamr::isSameArray(grid, selection, internals.Contoured))
+  const bool ofItself = treeamr::isSameArray(grid, selection, internals.Contoured);
+  if (treeamr::hasCategories(this))
+  {
+    const std::shared_ptr<const treeamr::Categories>& categories =
+      internals.CategorySlot.acquire(grid, selection, false);
+    internals.ColorSlot.release();
+    const std::shared_ptr<const treeamr::Field> numbers(categories, &categories->numbers);
+    if (view.ColorField != numbers)
+    {
+      view.ColorValues = treeamr::categoriesAtHits(*categories, *view.Surface, view.Hits.hits);
+      view.ColorField = numbers;
+    }
+    return treeamr::mapCategories(
+      this, *categories, view.ColorValues, view.Hits.hits, ofItself ? &view.Surface->isovalues() : nullptr);
+  }
+  internals.CategorySlot.release();
+  if (ofItself)
   {
     return treeamr::mapIsovalues(this, internals.Surface->isovalues());
   }

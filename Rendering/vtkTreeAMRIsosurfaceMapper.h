@@ -11,8 +11,9 @@
  * across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured by an
  * array through vtkMapper's ScalarVisibility, ScalarMode, SelectColorArray() and LookupTable; arrays of
  * colours (direct scalars) are mapped like all others, and an array that does not exist leaves the solid
- * colour, with a warning. Coloured by the contoured array each surface has the colour of its value. Real depth is
- * written: the surface meets polygons and volumes correctly.
+ * colour, with a warning. Coloured by the contoured array each surface has the colour of its value. A table
+ * with IndexedLookup makes categories of the values: each point has the colour of its cell's own value, or of an
+ * isovalue that the table lists. Real depth is written: the surface meets polygons and volumes correctly.
  *
  * An actor of opacity below 1 shows all layers of the surfaces. With depth peeling they are sorted among themselves
  * and with all other translucent geometry and the volumes of this module; each layer takes a peel, and two layers

@@ -104,11 +104,13 @@ struct vtkTreeAMRVolumeMapper::Internals
   vtkTreeAMRFramebuffer Framebuffer;
   vtkTreeAMRDepthPeeling DepthPeeling;
   treeamr::FieldSlot FieldSlot;
+  treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
   treeamr::OnceReporter Errors;
   treeamr::OnceReporter Warnings;
 
-  std::shared_ptr<const treeamr::Field> Field;
+  std::shared_ptr<const treeamr::Field> Field;           // that rays see
+  std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
   vtkTimeStamp FieldTime;
   double FieldSeconds = 0.;
   std::unique_ptr<treeamr::VertexCache> Kept; // of this field, of this size in MiB
@@ -286,7 +288,7 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::UpdateField()
+treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectArray()
 {
   vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
   if (!grid)
@@ -297,9 +299,27 @@ void vtkTreeAMRVolumeMapper::UpdateField()
   selection.name = treeamr::selectedCellArrayName(grid, this->ScalarMode, this->ArrayAccessMode,
     this->ArrayId, this->ArrayName, treeamr::defaultCellArrayName(grid));
   selection.component = this->VectorMode == COMPONENT ? this->VectorComponent : -1;
+  return selection;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
+{
+  const treeamr::ArraySelection selection = this->SelectArray();
   Internals& internals = *this->Private;
   const double start = vtkTimerLog::GetUniversalTime();
-  const std::shared_ptr<const treeamr::Field>& field = internals.FieldSlot.acquire(grid, selection, true);
+  std::shared_ptr<const treeamr::Field> field;
+  if (this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty()))
+  {
+    internals.Categories = internals.CategorySlot.acquire(this->GetHyperTreeGrid(), selection, true);
+    field = { internals.Categories, &internals.Categories->numbers };
+  }
+  else
+  {
+    field = internals.FieldSlot.acquire(this->GetHyperTreeGrid(), selection, true);
+    internals.CategorySlot.release();
+    internals.Categories.reset();
+  }
   if (field != internals.Field)
   {
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
@@ -321,7 +341,7 @@ bool vtkTreeAMRVolumeMapper::ShowsVolume() const
 void vtkTreeAMRVolumeMapper::UpdateVertexCache()
 {
   Internals& internals = *this->Private;
-  const int size = this->ShowsVolume() ? this->VertexCacheSize : 0;
+  const int size = this->ShowsVolume() && !internals.Categories ? this->VertexCacheSize : 0;
   if (!internals.Kept || internals.KeptSize != size)
   {
     internals.Kept.reset(); // before the new one is allocated
@@ -343,9 +363,9 @@ void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
     internals.SampleDistances.clear();
     internals.TransferFunctionSeconds = 0.;
     const Stopwatch stopwatch(internals.TransferFunctionSeconds);
-    internals.TransferFunction = property
-      ? treeamr::convertTransferFunction(property, internals.Field->range())
-      : treeamr::TransferFunction(0., 1., { {}, {} });
+    internals.TransferFunction = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
+      : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
+                             : treeamr::convertTransferFunction(property, internals.Field->range());
     internals.Property = property;
     // Asking for functions that were never set has made them.
     internals.PropertyTime = property ? property->GetMTime() : 0;
@@ -362,6 +382,10 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
   if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces))
   {
     internals.Surfaces = {};
+    if (internals.Categories)
+    {
+      internals.FieldSlot.release();
+    }
     return;
   }
   if (!treeamr::isStereo(renderer))
@@ -369,8 +393,11 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
     internals.Surfaces[1].release();
   }
   const double* isovalues = contours->GetValues();
+  const std::shared_ptr<const treeamr::Field> field = internals.Categories
+    ? internals.FieldSlot.acquire(this->GetHyperTreeGrid(), this->SelectArray(), true)
+    : internals.Field;
   if (internals.Surfaces[treeamr::eyeOf(renderer)].build(
-        internals.Field, std::vector<double>(isovalues, isovalues + count)))
+        field, std::vector<double>(isovalues, isovalues + count)))
   {
     internals.SurfaceTime.Modified();
     internals.SampleDistances.clear();
@@ -404,7 +431,7 @@ void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume
         this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : volume->GetAllocatedRenderTime();
       frame.ImageSampleDistance =
         control.choose(seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
-      frame.LevelOfDetail = this->LevelOfDetail;
+      frame.LevelOfDetail = internals.Categories ? 0. : this->LevelOfDetail;
     }
   }
   frame.SamplesPerCell = this->SamplesPerCell;
@@ -471,7 +498,7 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   Internals& internals = *this->Private;
   Frame& frame = internals.CurrentFrame;
   this->CheckSettings();
-  this->UpdateField();
+  this->UpdateField(volume);
   this->UpdateVertexCache();
   this->UpdateTransferFunction(volume);
   this->UpdateIsosurfaces(renderer, volume);

@@ -18,6 +18,9 @@
  * itself, gradient opacity, cropping and clipping planes are not implemented; cropping and clipping warn. Volumes
  * do not take part in hardware selection.
  *
+ * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
+ * surfaces of its own value have, with the opacity function's opacity there, and nothing is interpolated.
+ *
  * What is unchanged is not made again: a camera costs one frame, a colour map a table of 4096 entries, an
  * array its conversion. While the render window asks for one frame a second or more (vtkRenderWindow::
  * SetDesiredUpdateRate(), as interactors do while the camera moves) the image is traced with as few rays as
@@ -36,6 +39,7 @@ class vtkHyperTreeGrid;
 class vtkTable;
 namespace treeamr
 {
+struct ArraySelection;
 class Camera;
 struct DepthInterval;
 struct Image;
@@ -227,7 +231,8 @@ private:
 
   void CheckSettings();
   bool ShowsVolume() const;
-  void UpdateField();
+  treeamr::ArraySelection SelectArray();
+  void UpdateField(vtkVolume* volume);
   void UpdateVertexCache();
   void UpdateTransferFunction(vtkVolume* volume);
   void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);

@@ -37,6 +37,23 @@ TransferFunction::TransferFunction(double min, double max, std::vector<Entry> en
   }
 }
 
+TransferFunction TransferFunction::ofCategories(std::vector<Entry> entries)
+{
+  if (entries.empty() || entries.size() > mostCategories)
+  {
+    throw Error("transfer function: " + std::to_string(entries.size()) + " categories, allowed are 1 to " +
+      std::to_string(mostCategories));
+  }
+  if (entries.size() == 1)
+  {
+    entries.push_back(entries.front());
+  }
+  const auto last = static_cast<double>(entries.size() - 1);
+  TransferFunction result(0., last, std::move(entries));
+  result.reach_ = 1;
+  return result;
+}
+
 float TransferFunction::extinctionFromOpacity(double opacity, double unitDistance) noexcept
 {
   if (!(opacity > 0.))

@@ -452,12 +452,13 @@ private:
   {
     ++statistics_.nodes;
     const Octree::Children children = octree_.children(node);
-    if (isBlock(children))
+    const bool constants = scene_.features.categories;
+    if (!constants && isBlock(children))
     {
       visitBlock(node, BlockCells::Leaves, box, active);
       return;
     }
-    if (scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(children, box))
+    if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(children, box))
     {
       visitBlock(node, BlockCells::Means, box, active);
       return;
@@ -474,7 +475,9 @@ private:
     for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
-      wanted |= static_cast<unsigned>(!octree_.isGhost(children.leafIndex(octant))) << octant;
+      const std::uint64_t leaf = children.leafIndex(octant);
+      const bool isWanted = !octree_.isGhost(leaf) && !(constants && isSkipped(leaf));
+      wanted |= static_cast<unsigned>(isWanted) << octant;
     }
     if (wanted == 0)
     {
@@ -510,6 +513,11 @@ private:
       }
       if (children.leaf >> octant & 1)
       {
+        if (constants)
+        {
+          integrateConstant(children.leafIndex(octant), childBox, crossing[octant]);
+          continue;
+        }
         if (!hasValues)
         {
           if (!find(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
@@ -663,14 +671,31 @@ private:
   /// A tree without inner nodes: one constant.
   void visitOnlyLeaf(const Box& box, GroupMask active)
   {
-    if (octree_.isGhost(0))
+    if (!octree_.isGhost(0))
     {
-      return;
+      integrateConstant(0, box, active);
     }
-    const float value = scene_.field.leafValues()[0];
-    const auto position = static_cast<float>(scene_.transferFunction.position(value) * scene_.table.perEntry);
-    record_ = {};
-    integrate({ record_.values.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
+  }
+
+  float positionOf(std::uint64_t leaf) const noexcept
+  {
+    const float value = scene_.field.leafValues()[leaf];
+    return static_cast<float>(scene_.transferFunction.position(value) * scene_.table.perEntry);
+  }
+
+  /// Whether a leaf of a category is transparent and such ones are left out.
+  bool isSkipped(std::uint64_t leaf) const noexcept
+  {
+    return scene_.settings.skipEmpty &&
+      scene_.table.entries[static_cast<std::size_t>(positionOf(leaf))].extinction == 0.f;
+  }
+
+  /// A leaf whose value is the same everywhere in it.
+  void integrateConstant(std::uint64_t leaf, const Box& box, GroupMask active)
+  {
+    alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
+    const float position = positionOf(leaf);
+    integrate({ noSteps.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
       Lattice(box), active);
   }
 

@@ -15,6 +15,7 @@ struct SceneFeatures
 {
   bool commonOrigin = true;    // all rays start at one point; compiled apart
   bool preIntegration = false; // some cell may vary more than point samples can follow
+  bool categories = false;     // each leaf is one constant
 };
 
 /// The transfer function for the kernel, by entry, with extinctions per kernel unit. Of few entries it makes more,

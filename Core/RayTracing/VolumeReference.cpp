@@ -258,8 +258,16 @@ private:
     {
       return;
     }
-    const VertexValues values = vertexValues<VertexRule::GTI>(path_, field_, memo_);
-    ++statistics_.cells;
+    VertexValues values;
+    if (transferFunction_.hasCategories())
+    {
+      values.fill(field_.value(path_.node()));
+    }
+    else
+    {
+      values = vertexValues<VertexRule::GTI>(path_, field_, memo_);
+      ++statistics_.cells;
+    }
     const Range range = hull(values);
     if (settings_.skipEmpty && !transferFunction_.isVisible(range))
     {

@@ -30,9 +30,17 @@ void check(const Camera& camera, const Image& image)
   }
 }
 
-void check(const Field& field, const Camera& camera, const VolumeSettings& settings,
-  const TranslucentHits* surfaces = nullptr)
+void check(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const VolumeSettings& settings, const TranslucentHits* surfaces = nullptr)
 {
+  const Range values = field.range();
+  if (transferFunction.hasCategories() &&
+    !(values.min >= 0.f && values.max < static_cast<float>(transferFunction.entries().size())))
+  {
+    throw Error("volume: values from " + std::to_string(values.min) + " to " + std::to_string(values.max) +
+      " for " + std::to_string(transferFunction.entries().size()) +
+      " categories, allowed are their numbers from 0 on");
+  }
   if (!(settings.samplesPerCell > 0.) || !(settings.samplesPerCell <= VolumeSettings::maxSamplesPerCell))
   {
     throw Error("volume: " + std::to_string(settings.samplesPerCell) +
@@ -75,9 +83,14 @@ void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<c
   }
 }
 
-/// Entries of the kernel's table for one of the transfer function: a table of few is tabulated anew.
+/// Entries of the kernel's table for one of the transfer function: a table of few is tabulated anew, unless nothing
+/// lies between its entries.
 std::size_t entriesPerEntry(const TransferFunction& transferFunction)
 {
+  if (transferFunction.hasCategories())
+  {
+    return 1;
+  }
   constexpr std::size_t fewest = 4096;
   return (fewest - 2) / (transferFunction.entries().size() - 1) + 1;
 }
@@ -190,7 +203,9 @@ void fillTable(VolumeKernelScene& scene)
   const std::size_t size = (entries.size() - 1) * perEntry + 1;
   // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
   const double opaque = 1e6 / leafWidth(scene, scene.field.octree().leafLevels());
-  std::vector<std::array<double, 4>> terms(size);
+  std::vector<std::array<double, 4>> terms;
+  scene.features.categories = scene.transferFunction.hasCategories();
+  terms.reserve(scene.features.categories ? 0 : size);
   KernelTable& table = scene.table;
   table.perEntry = static_cast<double>(perEntry);
   table.last = static_cast<float>(size - 1);
@@ -203,8 +218,15 @@ void fillTable(VolumeKernelScene& scene)
     const double perUnit = e.extinction / scene.scale;
     table.entries[i].extinction =
       static_cast<float>(std::min<double>(perUnit * std::numbers::log2e, TransferFunction::opaqueExtinction));
-    const double capped = std::min(perUnit, opaque);
-    terms[i] = { capped * e.r, capped * e.g, capped * e.b, capped };
+    if (!scene.features.categories)
+    {
+      const double capped = std::min(perUnit, opaque);
+      terms.push_back({ capped * e.r, capped * e.g, capped * e.b, capped });
+    }
+  }
+  if (scene.features.categories)
+  {
+    return; // no leaf varies
   }
   table.variation.assign(size, 0.);
   table.curvature.assign(size, 0.);
@@ -297,7 +319,7 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   Image& image, const TranslucentHits* surfaces)
 {
   check(camera, image);
-  check(field, camera, settings, surfaces);
+  check(field, transferFunction, camera, settings, surfaces);
   VolumeKernelScene scene =
     makeScene(field, transferFunction, camera, interval, settings, kept, &image, surfaces);
   if (!fitsKernel(field, transferFunction) || !resolves(scene))
@@ -305,7 +327,7 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
     return renderVolumeReference(field, transferFunction, camera, interval, settings, image, surfaces);
   }
   fillTable(scene);
-  if (settings.levelOfDetailPixels > 0.)
+  if (settings.levelOfDetailPixels > 0. && !scene.features.categories)
   {
     kept.prepareMeans();
   }
@@ -337,7 +359,7 @@ void renderPixelGroups(const Field& field, const TransferFunction& transferFunct
   const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces)
 {
-  check(field, camera, settings, surfaces);
+  check(field, transferFunction, camera, settings, surfaces);
   check(camera, groups, rgba);
   VolumeKernelScene scene =
     makeScene(field, transferFunction, camera, interval, settings, kept, nullptr, surfaces);
@@ -347,7 +369,7 @@ void renderPixelGroups(const Field& field, const TransferFunction& transferFunct
     return;
   }
   fillTable(scene);
-  if (settings.levelOfDetailPixels > 0.)
+  if (settings.levelOfDetailPixels > 0. && !scene.features.categories)
   {
     kept.prepareMeans();
   }
@@ -361,7 +383,7 @@ VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& t
   const Camera& camera, const VolumeSettings& settings, int repeats, Image& image)
 {
   check(camera, image);
-  check(field, camera, settings);
+  check(field, transferFunction, camera, settings);
   VertexCache none(field.octree(), 0);
   const DepthInterval interval;
   VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, &image);

@@ -47,6 +47,24 @@ class TestIsosurface(scene.TestCase):
         self.representation.Isovalues = []
         self.assertFalse(scene.drawn(self.picture("none")).any())
 
+    def test_categories(self):
+        """Each point in the colour of its cell, whichever array the surface is of."""
+        categories = scene.with_categories(self.source)
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(categories, self.view)
+        self.representation.SetRepresentationType("Tree AMR Isosurface")
+        simple.ColorBy(self.representation, ("CELLS", "id"))
+        scene.set_categories(self.representation.LookupTable)
+        self.representation.Diffuse, self.representation.Ambient = 0.0, 1.0
+        scene.look(self.view)
+        ids = {(0, 0, 0), (255, 0, 0), (0, 255, 0), (0, 0, 255), (0, 255, 255), (255, 0, 255), (255, 255, 0)}
+        for array, isovalue in (("xyz", 6.5), ("id", 2.5)):
+            self.representation.IsosurfaceArray = ["CELLS", array]
+            self.representation.Isovalues = [isovalue]
+            self.assertEqual(ids, scene.colours(self.picture("categories-" + array)))
+        self.representation.Isovalues = [2]
+        self.assertEqual({(0, 0, 0), (0, 0, 255)}, scene.colours(self.picture("category")))
+
     def test_defaults_are_those_of_the_mapper(self):
         mapper = vtkTreeAMRIsosurfaceMapper()
         for name in ("AmbientOcclusionSamples", "AmbientOcclusionRadius", "Shadows"):

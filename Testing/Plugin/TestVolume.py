@@ -185,6 +185,30 @@ grid.GetCellData().AddArray(array)
         self.assertGreater(len(numpy.unique(shaded)), 10)
         self.assertTrue((scene.drawn(flat) == scene.drawn(shaded)).all())
 
+    def test_categories(self):
+        """Opaque, they are seen as on the surface of the grid."""
+        categories = scene.with_categories(self.source)
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(categories, self.view)
+        self.representation.SetRepresentationType("Surface")
+        simple.ColorBy(self.representation, ("CELLS", "id"))
+        scene.set_categories(self.representation.LookupTable)
+        self.representation.Diffuse, self.representation.Ambient = 0.0, 1.0
+        scene.look(self.view)
+        surface = self.picture("categories-surface")
+        self.assertEqual(1 + 6, len(scene.colours(surface)))
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        scene.set_opacity(self.representation.ScalarOpacityFunction, 0, 5, 1)
+        volume = self.picture("categories")
+        self.assertEqual(scene.colours(surface), scene.colours(volume))
+        # Rasterised edges may lie a pixel beside those of rays.
+        self.assertLess((surface != volume).any(axis=2).mean(), 1e-3)
+        # Only those of 2.
+        self.representation.ScalarOpacityFunction.Points = [1, 0, 0.5, 0, 2, 1, 0.5, 0, 3, 0, 0.5, 0]
+        self.assertEqual({(0, 0, 0), (0, 0, 255)}, scene.colours(self.picture("category")))
+        self.representation.LookupTable.InterpretValuesAsCategories = 0
+        self.assertLess(6, len(scene.colours(self.picture("no-categories"))))
+
     def test_group_of_one(self):
         self.show()
         alone = self.picture("alone")

@@ -100,6 +100,31 @@ def set_opacity(function, low, high, opacity):
     function.Points = [low, opacity, 0.5, 0.0, high, opacity, 0.5, 0.0]
 
 
+def with_categories(source):
+    """The grids of a source with an array of whole numbers, "id", from 0 to 5."""
+    return simple.ProgrammableFilter(Input=source, OutputDataSetType="Same as Input", Script="""
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+ids = numpy_to_vtk(numpy.arange(grid.GetNumberOfCells()) * 7 % 6, deep=1)
+ids.SetName('id')
+grid.GetCellData().AddArray(ids)
+""")
+
+
+def set_categories(lookup_table):
+    """Of the "id" from 0 to 4; 5 is not listed: yellow."""
+    lookup_table.InterpretValuesAsCategories = 1
+    lookup_table.Annotations = ["0", "a", "1", "b", "2", "c", "3", "d", "4", "e"]
+    lookup_table.IndexedColors = [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 1, 0, 1]
+    lookup_table.NanColor = [1, 1, 0]
+
+
+def colours(image):
+    return {tuple(pixel) for pixel in image.reshape(-1, 3)}
+
+
 def close(images):
     """Whether two pictures agree up to the rounding of a colour."""
     first, second = images
