@@ -1,13 +1,9 @@
 #include "vtkSMTreeAMRIsosurfaceRepresentationProxy.h"
 
 #include "vtkObjectFactory.h"
-#include "vtkSMArrayRangeDomain.h"
-#include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 
-#include <algorithm>
 #include <string>
-#include <vector>
 
 vtkStandardNewMacro(vtkSMTreeAMRIsosurfaceRepresentationProxy);
 
@@ -43,14 +39,9 @@ void vtkSMTreeAMRIsosurfaceRepresentationProxy::UpdateVTKObjects()
   {
     this->ContouredArrayModified = false;
     vtkSMProperty* isovalues = this->GetProperty("Isovalues");
-    auto range = vtkSMArrayRangeDomain::SafeDownCast(isovalues->GetDomain("range"));
-    const std::vector<double> values = vtkSMPropertyHelper(isovalues).GetDoubleArray();
-    // IsInDomains() cannot be asked: in ParaView 5.11 it denies values inside a range and affirms others.
-    if (range && range->GetMinimumExists(0) && range->GetMaximumExists(0) && !values.empty() &&
-      std::none_of(values.begin(), values.end(),
-        [&](double value) { return range->GetMinimum(0) <= value && value <= range->GetMaximum(0); }))
+    if (vtkSMPropertyHelper(isovalues).GetNumberOfElements() > 0)
     {
-      isovalues->ResetToDomainDefaults();
+      MoveIntoRange(isovalues, 0); // of the component that is contoured
     }
   }
   this->Superclass::UpdateVTKObjects();

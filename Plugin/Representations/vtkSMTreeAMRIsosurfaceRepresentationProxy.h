@@ -4,15 +4,15 @@
 #ifndef vtkSMTreeAMRIsosurfaceRepresentationProxy_h
 #define vtkSMTreeAMRIsosurfaceRepresentationProxy_h
 
-#include "vtkSMRepresentationProxy.h"
+#include "vtkSMTreeAMRRepresentationProxy.h"
 #include "vtkTreeAMRRepresentationsModule.h" // for the export macro
 
 class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRIsosurfaceRepresentationProxy
-  : public vtkSMRepresentationProxy
+  : public vtkSMTreeAMRRepresentationProxy
 {
 public:
   static vtkSMTreeAMRIsosurfaceRepresentationProxy* New();
-  vtkTypeMacro(vtkSMTreeAMRIsosurfaceRepresentationProxy, vtkSMRepresentationProxy);
+  vtkTypeMacro(vtkSMTreeAMRIsosurfaceRepresentationProxy, vtkSMTreeAMRRepresentationProxy);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   void UpdateVTKObjects() override;

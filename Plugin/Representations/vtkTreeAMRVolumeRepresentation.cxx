@@ -98,15 +98,22 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
 {
   this->Mapper->SetInputConnection(grid);
   const std::string name = this->GetColorArrayName();
-  // ParaView sets the functions along with the array.
-  const bool chosen = !name.empty() && this->Color && this->ScalarOpacity;
-  this->Mapper->SelectScalarArray(chosen ? name.c_str() : this->DefaultArrayName.c_str());
-  this->Property->SetColor(chosen ? this->Color : this->DefaultColor);
-  this->Property->SetScalarOpacity(chosen ? this->ScalarOpacity : this->DefaultScalarOpacity);
-  const bool component = chosen && this->Color->GetVectorMode() == vtkScalarsToColors::COMPONENT;
+  // ParaView sets the functions along with the array, and takes them away with it: what was seen stays.
+  if (!name.empty() && this->Color && this->ScalarOpacity)
+  {
+    this->Chosen = { name, this->Color, this->ScalarOpacity };
+  }
+  const std::string& last = this->Chosen.Array;
+  const bool isDrawn =
+    !last.empty() && (name == last || (name.empty() && this->Grid->GetCellData()->HasArray(last.c_str())));
+  this->Mapper->SelectScalarArray(isDrawn ? last.c_str() : this->DefaultArrayName.c_str());
+  vtkColorTransferFunction* colors = isDrawn ? this->Chosen.Color : this->DefaultColor;
+  this->Property->SetColor(colors);
+  this->Property->SetScalarOpacity(isDrawn ? this->Chosen.ScalarOpacity : this->DefaultScalarOpacity);
+  const bool component = isDrawn && colors->GetVectorMode() == vtkScalarsToColors::COMPONENT;
   this->Mapper->SetVectorMode(
     component ? vtkTreeAMRVolumeMapper::COMPONENT : vtkTreeAMRVolumeMapper::MAGNITUDE);
-  this->Mapper->SetVectorComponent(component ? this->Color->GetVectorComponent() : 0);
+  this->Mapper->SetVectorComponent(component ? colors->GetVectorComponent() : 0);
 }
 
 //------------------------------------------------------------------------------

@@ -26,8 +26,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// Colours and opacities of the array chosen in the Coloring section. While none is chosen, the first array
-  /// of the grid is drawn from blue to red and from transparent to opaque over its range.
+  /// Colours and opacities of the array chosen in the Coloring section. While none is chosen, the last that was is
+  /// drawn; before, the first array of the grid, from blue to red and from transparent to opaque over its range.
   void SetColor(vtkColorTransferFunction* colors);
   void SetScalarOpacity(vtkPiecewiseFunction* opacities);
   ///@}
@@ -86,6 +86,12 @@ private:
   vtkNew<vtkTreeAMRVolumeMapper> Mapper;
   vtkSmartPointer<vtkColorTransferFunction> Color;
   vtkSmartPointer<vtkPiecewiseFunction> ScalarOpacity;
+  struct
+  {
+    std::string Array;
+    vtkSmartPointer<vtkColorTransferFunction> Color;
+    vtkSmartPointer<vtkPiecewiseFunction> ScalarOpacity;
+  } Chosen;
   std::string DefaultArrayName;
   double DefaultRange[2] = { 0., 0. };
   vtkNew<vtkColorTransferFunction> DefaultColor;

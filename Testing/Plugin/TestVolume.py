@@ -67,15 +67,17 @@ class TestVolume(scene.TestCase):
         self.assertAlmostEqual(0.4, self.representation.ScalarOpacityUnitDistance)
 
     def test_without_an_array(self):
-        """The first array with default colours: the same picture as with those colours chosen."""
+        """The first array with default colours, when the one that was seen is gone: as with those colours chosen."""
+        self.show()
         simple.ColorBy(self.representation, None)
-        self.representation.SetRepresentationType("Tree AMR Volume")
+        self.source.Dataset = "Mandelbulb"
+        self.source.MinimumLevel, self.source.MaximumLevel = 2, 4
         scene.look(self.view)
         default = self.picture("default")
         self.assertGreater(scene.drawn(default).mean(), 0.1)
-        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        simple.ColorBy(self.representation, ("CELLS", "mandelbulb"))
         # The range of all cells, coarse ones included, as ParaView has it.
-        low, high = self.source.CellData["xyz"].GetRange()
+        low, high = self.source.CellData["mandelbulb"].GetRange()
         table = self.representation.LookupTable
         table.Discretize = 0
         table.ColorSpace = "Diverging"

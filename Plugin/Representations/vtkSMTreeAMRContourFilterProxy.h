@@ -1,0 +1,33 @@
+// The slider for the first isovalue of the filter Tree AMR Contour.
+
+#ifndef vtkSMTreeAMRContourFilterProxy_h
+#define vtkSMTreeAMRContourFilterProxy_h
+
+#include "vtkSMSourceProxy.h"
+#include "vtkTreeAMRRepresentationsModule.h" // for the export macro
+
+#include <memory> // for std::unique_ptr
+
+class FirstElementLink;
+
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRContourFilterProxy : public vtkSMSourceProxy
+{
+public:
+  static vtkSMTreeAMRContourFilterProxy* New();
+  vtkTypeMacro(vtkSMTreeAMRContourFilterProxy, vtkSMSourceProxy);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+protected:
+  vtkSMTreeAMRContourFilterProxy();
+  ~vtkSMTreeAMRContourFilterProxy() override;
+
+  void CreateVTKObjects() override;
+
+private:
+  vtkSMTreeAMRContourFilterProxy(const vtkSMTreeAMRContourFilterProxy&) = delete;
+  void operator=(const vtkSMTreeAMRContourFilterProxy&) = delete;
+
+  std::unique_ptr<FirstElementLink> Slider;
+};
+
+#endif

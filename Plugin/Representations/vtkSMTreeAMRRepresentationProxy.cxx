@@ -1,0 +1,114 @@
+#include "vtkSMTreeAMRRepresentationProxy.h"
+
+#include "FirstElementLink.h"
+
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPVXMLElement.h"
+#include "vtkSMArrayRangeDomain.h"
+#include "vtkSMProperty.h"
+#include "vtkSMPropertyHelper.h"
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <vector>
+
+vtkStandardNewMacro(vtkSMTreeAMRRepresentationProxy);
+
+namespace
+{
+
+/// Adds the elements in `decorator` to the hints of a property; its own are those of all properties of its kind.
+void decorate(vtkSMProperty* property, vtkPVXMLElement* decorator)
+{
+  vtkNew<vtkPVXMLElement> hints;
+  hints->SetName("Hints");
+  for (vtkPVXMLElement* element : { property->GetHints(), decorator })
+  {
+    for (unsigned int i = 0; element && i < element->GetNumberOfNestedElements(); ++i)
+    {
+      hints->AddNestedElement(element->GetNestedElement(i), /*setParent*/ 0);
+    }
+  }
+  property->SetHints(hints);
+}
+
+} // anonymous namespace
+
+//------------------------------------------------------------------------------
+vtkSMTreeAMRRepresentationProxy::vtkSMTreeAMRRepresentationProxy() = default;
+
+//------------------------------------------------------------------------------
+vtkSMTreeAMRRepresentationProxy::~vtkSMTreeAMRRepresentationProxy() = default;
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::CreateVTKObjects()
+{
+  const bool were = this->ObjectsCreated;
+  this->Superclass::CreateVTKObjects();
+  if (!were && this->ObjectsCreated && this->Location != 0)
+  {
+    this->ObjectsHaveBeenCreated();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::ObjectsHaveBeenCreated()
+{
+  vtkPVXMLElement* hints = this->GetHints();
+  for (unsigned int i = 0; hints && i < hints->GetNumberOfNestedElements(); ++i)
+  {
+    vtkPVXMLElement* hint = hints->GetNestedElement(i);
+    if (std::string(hint->GetName()) == "PanelDecorator")
+    {
+      this->DecoratePanel(hint);
+    }
+    else if (std::string(hint->GetName()) == "IsovalueSlider")
+    {
+      this->Slider = std::make_unique<FirstElementLink>();
+      this->Slider->Connect(
+        this->GetProperty(hint->GetAttribute("list")), this->GetProperty(hint->GetAttribute("first")));
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::DecoratePanel(vtkPVXMLElement* decorator)
+{
+  vtkSMProxy* panel = this->GetTrueParentProxy();
+  std::istringstream names(decorator->GetAttributeOrEmpty("properties"));
+  for (std::string name; names >> name;)
+  {
+    // Other releases of ParaView may have fewer.
+    if (vtkSMProperty* property = panel->GetProperty(name.c_str()))
+    {
+      decorate(property, decorator);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::MoveIntoRange(vtkSMProperty* isovalues, unsigned int entry)
+{
+  auto range = vtkSMArrayRangeDomain::SafeDownCast(isovalues->GetDomain("range"));
+  // IsInDomains() cannot be asked: in ParaView 5.11 it denies values inside a range and affirms others.
+  if (range && range->GetMinimumExists(entry) && range->GetMaximumExists(entry))
+  {
+    const double low = range->GetMinimum(entry), high = range->GetMaximum(entry);
+    const std::vector<double> values = vtkSMPropertyHelper(isovalues).GetDoubleArray();
+    if (std::none_of(
+          values.begin(), values.end(), [&](double value) { return low <= value && value <= high; }))
+    {
+      vtkSMPropertyHelper helper(isovalues);
+      helper.SetNumberOfElements(1);
+      helper.Set(low + 0.5 * (high - low));
+    }
+  }
+}

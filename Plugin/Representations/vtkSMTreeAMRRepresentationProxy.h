@@ -1,0 +1,54 @@
+// What the proxies of the volume and the isosurface representation share: the panel of the representation that they
+// belong to, and isovalues that are inside the range of their array.
+//
+// A single isovalue, which has a slider in the panel, is the first of the list:
+//
+//     <IsovalueSlider list="Isovalues" first="FirstIsovalue"/>
+//
+// The panel's properties are mostly ParaView's own, of all ways to show a grid together. The elements PanelDecorator
+// among a proxy's hints say when which of them is of no use:
+//
+//     <PanelDecorator properties="PointSize LineWidth">
+//       <PropertyWidgetDecorator type="GenericDecorator" mode="visibility" .../>
+//     </PanelDecorator>
+
+#ifndef vtkSMTreeAMRRepresentationProxy_h
+#define vtkSMTreeAMRRepresentationProxy_h
+
+#include "vtkSMRepresentationProxy.h"
+#include "vtkTreeAMRRepresentationsModule.h" // for the export macro
+
+#include <memory> // for std::unique_ptr
+
+class FirstElementLink;
+class vtkPVXMLElement;
+
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRRepresentationProxy : public vtkSMRepresentationProxy
+{
+public:
+  static vtkSMTreeAMRRepresentationProxy* New();
+  vtkTypeMacro(vtkSMTreeAMRRepresentationProxy, vtkSMRepresentationProxy);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+protected:
+  vtkSMTreeAMRRepresentationProxy();
+  ~vtkSMTreeAMRRepresentationProxy() override;
+
+  void CreateVTKObjects() override;
+  /// Once, when the objects are there; not of a prototype.
+  virtual void ObjectsHaveBeenCreated();
+
+  /// Makes a list of isovalues the single one in the middle of their domain "range" when none of them lies inside.
+  /// entry: of the domain, a component of the array, or behind these its magnitude.
+  static void MoveIntoRange(vtkSMProperty* isovalues, unsigned int entry);
+
+private:
+  vtkSMTreeAMRRepresentationProxy(const vtkSMTreeAMRRepresentationProxy&) = delete;
+  void operator=(const vtkSMTreeAMRRepresentationProxy&) = delete;
+
+  void DecoratePanel(vtkPVXMLElement* decorator);
+
+  std::unique_ptr<FirstElementLink> Slider;
+};
+
+#endif

@@ -1,0 +1,153 @@
+"""What a representation does of its own when it is chosen: bounds, the array to colour by, isovalues."""
+
+import numpy
+from paraview import servermanager, simple
+
+import scene
+
+KINDS = ("Tree AMR Volume", "Tree AMR Isosurface")
+
+
+def vectors():
+    """A grid with vectors whose first component is 3 and whose magnitude goes from 3 to 5."""
+    return simple.ProgrammableFilter(
+        Input=simple.TreeAMRExample(Dataset="Synthetic"), OutputDataSetType="Same as Input", Script="""
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+n = grid.GetNumberOfCells()
+array = numpy_to_vtk(numpy.stack([numpy.full(n, 3.0), numpy.linspace(0, 4, n), numpy.zeros(n)], axis=1), deep=1)
+array.SetName('v')
+grid.GetCellData().Initialize()
+grid.GetCellData().AddArray(array)
+""")
+
+
+class TestDisplay(scene.TestCase):
+    def show(self, source):
+        self.view = scene.view()
+        self.representation = simple.Show(source, self.view)
+
+    def picture(self, name):
+        return scene.picture(self.view, "display-" + name)
+
+    def test_bounds(self):
+        """From Show on, and after the data have moved: the camera is where it is for the bounds alone."""
+        for low, high, moved in ((100, 101, 200), (0, 1e-9, -1e-9)):
+            for kind in KINDS:
+                for before in (None, "Surface"):
+                    with self.subTest(low=low, kind=kind, before=before):
+                        simple.ResetSession()
+                        source = simple.HyperTreeGridRandom(Dimensions=[3, 3, 3], OutputBounds=[low, high] * 3)
+                        self.show(source)
+                        self.view.AxesGrid.Visibility = 1
+                        if before:
+                            self.representation.SetRepresentationType(before)
+                            simple.Render(self.view)
+                        self.representation.SetRepresentationType(kind)
+                        for corner in (low, moved):
+                            width = high - low
+                            source.OutputBounds = [corner, corner + width] * 3
+                            simple.ResetCamera(self.view)
+                            offset = numpy.array(self.view.CameraFocalPoint) - corner - 0.5 * width
+                            self.assertLess(abs(offset).max(), 1e-5 * width)
+                            distance = numpy.linalg.norm(
+                                numpy.subtract(self.view.CameraPosition, self.view.CameraFocalPoint))
+                            self.assertLess(abs(distance / width - 3.3461), 0.005)
+                            self.assertGreater(scene.drawn(self.picture("bounds")).mean(), 0.1)
+
+    def test_volume_chooses_an_array(self):
+        """As ParaView's own type Volume does. The grid has no active scalars: Show leaves it uncoloured."""
+        self.show(simple.HyperTreeGridRandom())
+        self.assertEqual("", self.representation.ColorArrayName[1])
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        self.assertEqual(["CELLS", "Depth"], list(self.representation.ColorArrayName))
+        self.assertEqual([0, 5], self.representation.LookupTable.RGBPoints[::8])
+        self.assertEqual([0, 5], self.representation.ScalarOpacityFunction.Points[::4])
+
+    def test_volume_prefers_the_active_scalars(self):
+        example = simple.TreeAMRExample(Dataset="Synthetic")
+        arrays = simple.ProgrammableFilter(Input=example, OutputDataSetType="Same as Input", Script="""
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+first = vtkDoubleArray()
+first.SetName('a')
+first.SetNumberOfTuples(grid.GetNumberOfCells())
+first.Fill(1)
+grid.GetCellData().AddArray(first)
+""")
+        self.show(arrays)
+        simple.ColorBy(self.representation, None)
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        self.assertEqual(["CELLS", "xyz"], list(self.representation.ColorArrayName))
+
+    def test_volume_keeps_a_range_that_was_given(self):
+        """A script that restores a state sets the colours first."""
+        table = simple.GetColorTransferFunction("Depth")
+        table.RGBPoints = [1, 0, 0, 1, 2, 1, 0, 0]
+        table.ScalarRangeInitialized = 1
+        self.show(simple.HyperTreeGridRandom())
+        self.representation.Representation = "Tree AMR Volume"
+        self.assertEqual(["CELLS", "Depth"], list(self.representation.ColorArrayName))
+        self.assertEqual([1, 2], table.RGBPoints[::4])
+
+    def test_colours_stay_without_an_array(self):
+        self.show(simple.HyperTreeGridRandom())
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        scene.look(self.view)
+        plain = self.picture("plain")
+        self.representation.LookupTable.ApplyPreset("Viridis (matplotlib)", True)
+        preset = self.picture("preset")
+        self.assertFalse(scene.close((plain, preset)))
+        simple.ColorBy(self.representation, None)
+        self.assertTrue(scene.close((preset, self.picture("no-array"))))
+
+    def test_isosurfaces_start_in_the_middle(self):
+        """At once when they are switched on; what was given, or nothing, stays."""
+        for name, value in (("ShowIsosurfaces", 1), ("BlendMode", "Isosurface")):
+            simple.ResetSession()
+            self.show(simple.HyperTreeGridRandom())
+            self.representation.SetRepresentationType("Tree AMR Volume")
+            scene.look(self.view)
+            before = self.picture("no-isosurfaces")
+            setattr(self.representation, name, value)
+            self.assertEqual([2.5], list(self.representation.IsosurfaceValues))
+            middle = self.picture("isosurfaces")
+            self.assertTrue(scene.drawn(middle).any())
+            self.assertFalse(scene.close((before, middle)))
+        for given in ([], [7.0]):
+            self.representation.BlendMode = "Composite"
+            self.representation.IsosurfaceValues = given
+            self.representation.BlendMode = "Isosurface"
+            self.assertEqual(given, list(self.representation.IsosurfaceValues))
+
+    def test_isosurfaces_of_vectors_start_in_the_middle_of_what_is_drawn(self):
+        self.show(vectors())
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        self.representation.ShowIsosurfaces = 1
+        self.assertAlmostEqual(4, *self.representation.IsosurfaceValues)
+
+    def test_first_isosurface(self):
+        """The slider's property and the list follow each other."""
+        source = simple.HyperTreeGridRandom()
+        self.show(source)
+        contour = simple.TreeAMRContour(Input=source)
+        for proxy, first, values in ((self.representation, "FirstIsovalue", "Isovalues"),
+                                     (self.representation, "FirstIsosurfaceValue", "IsosurfaceValues"),
+                                     (contour, "FirstIsosurface", "Isosurfaces")):
+            with self.subTest(first=first):
+                setattr(proxy, values, [1.0, 2.0, 3.0])
+                self.assertEqual(1, getattr(proxy, first))
+                setattr(proxy, first, 4.0)
+                self.assertEqual([4, 2, 3], list(getattr(proxy, values)))
+                setattr(proxy, values, [])
+                self.assertEqual(4, getattr(proxy, first))
+                setattr(proxy, first, 1.5)
+                self.assertEqual([1.5], list(getattr(proxy, values)))
+        self.assertEqual({1.5}, set(servermanager.Fetch(contour).GetPointData().GetScalars().GetRange()))
+
+
+if __name__ == "__main__":
+    scene.main()
