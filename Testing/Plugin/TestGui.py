@@ -1,8 +1,8 @@
-"""The plugin in the real GUI: menus, Apply, the representation's combo box, the colour map editor.
+"""The plugin in the real GUI: menus, Apply, the representation's combo box, the panel, the colour map editor.
 
 TestGui.py <paraview> <folder for screenshots>
 
-Screenshots of the whole window are volume.png, colours.png and isosurface.png.
+Screenshots of the whole window are volume.png, colours.png, isosurface.png and swept.png.
 """
 
 import os
@@ -16,7 +16,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
 PARAVIEW, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
-PICTURES = ["volume.png", "colours.png", "isosurface.png"]
+PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png"]
 # Run by ParaView itself, so that nothing moves on meanwhile.
 MACRO = f"""
 import os
@@ -66,6 +66,7 @@ class TestGui(unittest.TestCase):
     def test_ends_without_an_error(self):
         self.assertEqual(0, self.done.returncode)
         self.assertNotRegex(self.done.stderr, r"ERR\||WARN\||critical:")
+        self.assertNotIn("critical:", self.done.stdout)
 
     def test_colours_follow_the_colour_map_editor(self):
         """From the default map, blue to red, to Viridis, violet to yellow."""
@@ -78,6 +79,10 @@ class TestGui(unittest.TestCase):
     def test_isosurface_replaces_the_volume(self):
         volume, isosurface = pixels("colours.png"), pixels("isosurface.png")
         self.assertGreater((volume != isosurface).any(axis=0).sum(), 20000)
+
+    def test_slider_sweeps_the_isosurface(self):
+        before, after = pixels("isosurface.png"), pixels("swept.png")
+        self.assertGreater((before != after).any(axis=0).sum(), 20000)
 
 
 if __name__ == "__main__":
