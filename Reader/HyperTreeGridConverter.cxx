@@ -50,6 +50,24 @@ public:
     });
   }
 
+  std::shared_ptr<const Octree> acquireOctree(const HyperTreeGridTopology& topology)
+  {
+    checkCells(topology);
+    const ContentDigest key = topology.octreeDigest();
+    const std::scoped_lock lock(mutex_);
+    std::weak_ptr<const Octree>& cached = octrees_[key];
+    std::shared_ptr<const Octree> octree = cached.lock();
+    if (!octree)
+    {
+      tbb::this_task_arena::isolate([&] { // as below
+        const NoValues none;
+        octree = buildOctree(topology.rootGrid(), HyperTreeGridSource<NoValues>(topology, none)).octree;
+      });
+      cached = octree;
+    }
+    return octree;
+  }
+
 private:
   template <class Made>
   using Entries = std::map<FieldKey, std::weak_ptr<const Made>>;
@@ -94,18 +112,25 @@ private:
   static ContentDigest cutNonFinite(
     HyperTreeGridTopology& topology, ContentDigest octreeKey, const CellValues& values)
   {
-    const bool hadCells = topology.hasCells();
+    checkCells(topology);
     if (topology.excludeNonFinite([&](vtkIdType index) { return values.isFinite(index); }))
     {
       octreeKey = topology.octreeDigest();
     }
     if (!topology.hasCells())
     {
-      throw Error(hadCells ? "hyper tree grid: no cell has a finite value in array '" +
-            std::string(values.array().GetName()) + "'"
-                           : "hyper tree grid: all cells are masked or hidden");
+      throw Error("hyper tree grid: no cell has a finite value in array '" +
+        std::string(values.array().GetName()) + "'");
     }
     return octreeKey;
+  }
+
+  static void checkCells(const HyperTreeGridTopology& topology)
+  {
+    if (!topology.hasCells())
+    {
+      throw Error("hyper tree grid: all cells are masked or hidden");
+    }
   }
 
   template <class Values>
@@ -167,6 +192,11 @@ std::shared_ptr<const Categories> acquireCategories(
   HyperTreeGridTopology topology(grid);
   const CellValues values(*grid, selection, topology.globalIndexEnd());
   return fieldCache().acquireCategories(topology, values, withNodeRanges);
+}
+
+std::shared_ptr<const Octree> acquireOctree(vtkHyperTreeGrid* grid)
+{
+  return fieldCache().acquireOctree(HyperTreeGridTopology(grid));
 }
 
 vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)

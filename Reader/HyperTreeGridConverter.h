@@ -59,6 +59,10 @@ struct Categories
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Categories> acquireCategories(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
 
+/// The octree of all cells that are not masked or hidden, whatever their values, from the same cache. Throws Error as
+/// acquireField() for the grid.
+VTKTREEAMRREADER_EXPORT std::shared_ptr<const Octree> acquireOctree(vtkHyperTreeGrid* grid);
+
 /// The place in the cell arrays of the values of a cell, leaf or coarse, of a grid that acquireField() takes. Throws
 /// Error when the grid has no such cell. Safe from several threads while none changes the grid.
 VTKTREEAMRREADER_EXPORT vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell);

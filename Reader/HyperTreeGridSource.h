@@ -121,6 +121,17 @@ private:
   int component_ = 0;
 };
 
+/// For an octree alone.
+struct NoValues
+{
+  struct Blend
+  {
+    void add(double /*value*/, double /*weight*/) {}
+    double value() const { return 0.; }
+  };
+  double operator()(vtkIdType /*index*/) const { return 0.; }
+};
+
 /// A Source as OctreeBuilder.h describes it. Keeps references to both arguments. Values: CellValues or like these.
 template <class Values>
 class HyperTreeGridSource

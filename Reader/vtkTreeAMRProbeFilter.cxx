@@ -12,6 +12,7 @@
 #include "vtkDataArraySelection.h"
 #include "vtkDataSet.h"
 #include "vtkExecutive.h"
+#include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -25,6 +26,8 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
@@ -104,6 +107,78 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
   }
   std::transform(valid.begin(), valid.end(), inCells.begin(), valid.begin(), std::logical_or<>());
   return result;
+}
+
+/// Of each point the place of its cell in the cell arrays, -1 where it has none.
+std::vector<vtkIdType> FindCells(vtkDataSet* input, vtkHyperTreeGrid* source)
+{
+  if (input->GetNumberOfPoints() == 0)
+  {
+    return {};
+  }
+  const auto octree = treeamr::acquireOctree(source);
+  std::vector<vtkIdType> places(input->GetNumberOfPoints(), -1);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size(), 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+    {
+      std::array<double, 3> point;
+      input->GetPoint(static_cast<vtkIdType>(i), point.data());
+      if (treeamr::CellId cell; treeamr::findCell(*octree, point, cell))
+      {
+        places[i] = treeamr::globalIndex(*source, cell);
+      }
+    }
+  });
+  return places;
+}
+
+/// A cell array's own tuples at all points. Marks points that have a finite number in `valid`. Throws Error for an array
+/// that is too short.
+ArrayResult CopyArray(
+  vtkDataArray* cells, const std::vector<vtkIdType>& places, bool gradients, std::vector<char>& valid)
+{
+  const auto points = static_cast<vtkIdType>(places.size());
+  const int components = cells->GetNumberOfComponents();
+  const vtkIdType last = points > 0 ? *std::max_element(places.begin(), places.end()) : -1;
+  if (last >= cells->GetNumberOfTuples())
+  {
+    throw treeamr::Error("hyper tree grid: cell array '" + std::string(cells->GetName()) + "' has " +
+      std::to_string(cells->GetNumberOfTuples()) + " tuples, a cell at a point has number " +
+      std::to_string(last));
+  }
+  ArrayResult result{ NewArray(cells->GetDataType(), cells->GetName(), components, points), nullptr };
+  for (vtkIdType i = 0; i < points; ++i)
+  {
+    if (places[i] < 0)
+    {
+      continue; // cleared later
+    }
+    result.Values->SetTuple(i, places[i], cells);
+    for (int c = 0; !valid[i] && c < components; ++c)
+    {
+      valid[i] = std::isfinite(cells->GetComponent(places[i], c));
+    }
+  }
+  if (gradients)
+  {
+    result.Gradients =
+      NewArray(VTK_DOUBLE, std::string(cells->GetName()) + "_gradient", 3 * components, points);
+    result.Gradients->Fill(0.);
+  }
+  return result;
+}
+
+/// Whether the grid's depth limit is above some of its leaves.
+bool IsLimited(vtkHyperTreeGrid* grid)
+{
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
+  grid->InitializeTreeIterator(trees);
+  bool limited = false;
+  while (vtkHyperTree* tree = trees.GetNextTree())
+  {
+    limited = limited || tree->GetNumberOfLevels() > grid->GetDepthLimiter() + std::uint64_t(1);
+  }
+  return limited;
 }
 
 /// NaN stands for no value: that is 0 at points where no array has one.
@@ -271,10 +346,19 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
   std::vector<std::shared_ptr<const treeamr::Octree>> octrees;
   std::vector<ArrayResult> results;
   std::vector<std::string> complaints;
+  // Above the depth limit cells have means of leaves, which no array holds.
+  const bool copies = this->InterpolationMethod == NEAREST && !IsLimited(source);
+  std::vector<vtkIdType> places;
   for (const std::string& name : treeamr::takenArrays(*source, *this->CellDataArraySelection))
   {
     try
     {
+      if (vtkDataArray* array = copies ? source->GetCellData()->GetArray(name.c_str()) : nullptr)
+      {
+        places = places.empty() ? FindCells(input, source) : std::move(places);
+        results.push_back(CopyArray(array, places, this->ComputeGradients, valid));
+        continue;
+      }
       results.push_back(SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees));
       complaints.push_back(treeamr::roundedIntegers(*source->GetCellData()->GetArray(name.c_str())));
     }

@@ -261,4 +261,16 @@ std::unique_ptr<Sampler> Sampler::create(InterpolationMethod method, std::shared
   return std::make_unique<SamplerOf<sampleOctant<VertexRule::GTI>>>(std::move(field));
 }
 
+bool findCell(const Octree& octree, const std::array<double, 3>& pWorld, CellId& cell)
+{
+  TreePath path(octree);
+  Local unused;
+  if (!locate(path, octree.grid(), pWorld, unused))
+  {
+    return false;
+  }
+  cell = { path.index(), path.depth() - octree.grid().paddingDepth() };
+  return true;
+}
+
 } // namespace treeamr

@@ -42,4 +42,7 @@ public:
   static std::unique_ptr<Sampler> create(InterpolationMethod method, std::shared_ptr<const Field> field);
 };
 
+/// The cell that holds a point, as a sampler finds it. False, and `cell` untouched, where there is none.
+bool findCell(const Octree& octree, const std::array<double, 3>& pWorld, CellId& cell);
+
 } // namespace treeamr

@@ -22,6 +22,7 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
+#include "vtkTypeInt64Array.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +90,11 @@ TEST(ProbeFilter, EqualsTheSamplerForEachMethodAndComponent)
       ASSERT_NE(values, nullptr) << name;
       ASSERT_NE(gradients, nullptr) << name;
       const bool isDouble = name == "scalar";
-      EXPECT_EQ(values->GetDataType(), isDouble ? VTK_DOUBLE : VTK_FLOAT);
+      const bool isNearest = method == vtkTreeAMRProbeFilter::NEAREST;
+      EXPECT_EQ(values->GetDataType(),
+        isDouble                         ? VTK_DOUBLE
+          : isNearest && name == "count" ? VTK_INT
+                                         : VTK_FLOAT);
       EXPECT_EQ(values->GetNumberOfComponents(), name == "vector" ? 3 : 1);
       EXPECT_EQ(gradients->GetNumberOfComponents(), 3 * values->GetNumberOfComponents());
       const auto rounded = [&](double x) { return isDouble ? x : static_cast<float>(x); };
@@ -104,7 +109,9 @@ TEST(ProbeFilter, EqualsTheSamplerForEachMethodAndComponent)
           FieldSample expected;
           ASSERT_EQ(sampler->sample(p, expected), isValid(output, i));
           inside += isValid(output, i);
-          ASSERT_EQ(values->GetComponent(i, c), rounded(expected.value)) << name << " at point " << i;
+          const double found = values->GetComponent(i, c); // with all digits of the cell's own value
+          ASSERT_EQ(isNearest ? static_cast<float>(found) : found, rounded(expected.value))
+            << name << " at point " << i;
           for (int a = 0; a < 3; ++a)
           {
             ASSERT_EQ(gradients->GetComponent(i, 3 * c + a), expected.gradient[a]) << name;
@@ -265,6 +272,64 @@ TEST(ProbeFilter, GivesNaNWhereOneArrayAloneHasNoValue)
   EXPECT_TRUE(std::isnan(output->GetArray("scalar")->GetTuple1(0)));
   EXPECT_EQ(output->GetArray("other")->GetTuple1(0), 3.);
   EXPECT_EQ(output->GetArray("scalar")->GetTuple1(1), 3.);
+}
+
+TEST(ProbeFilter, NearestCopiesWhatTheCellHas)
+{
+  const auto grid = makeUniformlyRefinedGrid(1);
+  vtkNew<vtkTypeInt64Array> ids;
+  ids->SetName("ids");
+  ids->SetNumberOfValues(9);
+  vtkNew<vtkDoubleArray> large;
+  large->SetName("large");
+  large->SetNumberOfComponents(2);
+  large->SetNumberOfTuples(9);
+  for (vtkIdType i = 0; i < 9; ++i)
+  {
+    ids->SetValue(i, (vtkTypeInt64(1) << 62) + i);
+    large->SetTuple2(i, 1e9 + 1e-3 * static_cast<double>(i), i == 4 ? std::nan("") : 1e-60);
+  }
+  vtkNew<vtkIntArray> tooShort;
+  tooShort->SetName("short");
+  tooShort->SetNumberOfValues(5);
+  for (vtkDataArray* array : { static_cast<vtkDataArray*>(ids), static_cast<vtkDataArray*>(large),
+         static_cast<vtkDataArray*>(tooShort) })
+  {
+    grid->GetCellData()->AddArray(array);
+  }
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(0.75, 0.75, 0.25); // vertex 4
+  points->InsertNextPoint(0.25, 0.25, 0.75); // vertex 5
+  points->InsertNextPoint(0.25, 0.25, 1.75);
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(data);
+  probe->SetSourceData(grid);
+  probe->SetInterpolationMethodToNearest();
+  const MessageCatcher warnings(probe, vtkCommand::WarningEvent);
+  probe->Update();
+  vtkPointData* output = probe->GetOutput()->GetPointData();
+  auto* foundIds = vtkTypeInt64Array::SafeDownCast(output->GetArray("ids"));
+  ASSERT_NE(foundIds, nullptr);
+  EXPECT_EQ(foundIds->GetValue(0), ids->GetValue(4));
+  EXPECT_EQ(foundIds->GetValue(1), ids->GetValue(5));
+  EXPECT_EQ(foundIds->GetValue(2), 0);
+  EXPECT_EQ(output->GetArray("large")->GetComponent(1, 0), 1e9 + 5e-3);
+  EXPECT_EQ(output->GetArray("large")->GetComponent(1, 1), 1e-60);
+  EXPECT_TRUE(std::isnan(output->GetArray("large")->GetComponent(0, 1)));
+  EXPECT_TRUE(isValid(probe->GetOutput(), 0));
+  EXPECT_FALSE(isValid(probe->GetOutput(), 2));
+  EXPECT_FALSE(output->HasArray("short"));
+  ASSERT_EQ(warnings.messages().size(), 1u);
+  EXPECT_NE(warnings.messages()[0].find("'short' has 5 tuples"), std::string::npos) << warnings.messages()[0];
+
+  // Of a cell at the depth limit the mean of what is below.
+  grid->GetCellData()->RemoveArray("short");
+  grid->SetDepthLimiter(0);
+  probe->Modified();
+  probe->Update();
+  EXPECT_EQ(probe->GetOutput()->GetPointData()->GetArray("scalar")->GetTuple1(0), 5.5);
 }
 
 TEST(ProbeFilter, LeavesOutSingleArraysWithAWarning)
