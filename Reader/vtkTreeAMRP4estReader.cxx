@@ -5,12 +5,12 @@
 #include "vtkTreeAMRP4estReader.h"
 
 #include "Error.h"
+#include "P4estArrayFillers.h"
 #include "P4estForestFile.h"
 #include "P4estTreeLattice.h"
 #include "PayloadGuess.h"
 #include "PayloadLayout.h"
 
-#include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArraySelection.h"
@@ -24,15 +24,13 @@
 #include "vtkObjectFactory.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkTypeTraits.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -41,144 +39,11 @@ vtkStandardNewMacro(vtkTreeAMRP4estReader);
 namespace
 {
 
+using treeamr::ArrayFillers;
 using treeamr::P4estForestFile;
 using treeamr::P4estQuadrant;
 using treeamr::PayloadField;
 using treeamr::PayloadType;
-
-constexpr const char* LevelName = "level";
-constexpr const char* TreeIdName = "treeid";
-
-// Fills one cell array, children before their parent.
-class ArrayFiller
-{
-public:
-  virtual ~ArrayFiller() = default;
-  virtual void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) = 0;
-  virtual void SetInner(vtkIdType node, vtkIdType firstChild) = 0;
-};
-using ArrayFillers = std::vector<std::unique_ptr<ArrayFiller>>;
-
-template <class T>
-class TypedFiller : public ArrayFiller
-{
-protected:
-  TypedFiller(vtkCellData* cellData, const char* name, int components, vtkIdType nodes)
-    : Components(components)
-  {
-    // Not vtkAOSDataArrayTemplate::New(): that is no vtkDoubleArray, vtkIntArray ... to those who ask.
-    const auto array = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTKTypeID()));
-    array->SetName(name);
-    array->SetNumberOfComponents(components);
-    array->SetNumberOfTuples(nodes);
-    cellData->AddArray(array);
-    this->Values = vtkAOSDataArrayTemplate<T>::FastDownCast(array)->GetPointer(0);
-  }
-  T* Tuple(vtkIdType node) { return this->Values + node * this->Components; }
-
-  int Components;
-
-private:
-  T* Values; // owned by the array
-};
-
-template <class T>
-class PayloadFiller : public TypedFiller<T>
-{
-public:
-  PayloadFiller(vtkCellData* cellData, const PayloadField& field, vtkIdType nodes)
-    : TypedFiller<T>(cellData, field.name.c_str(), field.components, nodes)
-    , Offset(field.offset)
-  {
-  }
-  void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override
-  {
-    std::memcpy(this->Tuple(node), leaf.payload + this->Offset, this->Components * sizeof(T));
-  }
-  void SetInner(vtkIdType node, vtkIdType firstChild) override
-  {
-    T* const value = this->Tuple(node);
-    const T* const children = this->Tuple(firstChild);
-    for (int c = 0; c < this->Components; ++c)
-    {
-      if constexpr (std::is_floating_point_v<T>)
-      {
-        double sum = 0.;
-        for (int child = 0; child < 8; ++child)
-        {
-          sum += children[child * this->Components + c];
-        }
-        value[c] = static_cast<T>(sum / 8.);
-      }
-      else
-      {
-        value[c] = children[c];
-      }
-    }
-  }
-
-private:
-  std::size_t Offset;
-};
-
-class LevelFiller : public TypedFiller<unsigned char>
-{
-public:
-  LevelFiller(vtkCellData* cellData, vtkIdType nodes)
-    : TypedFiller(cellData, LevelName, 1, nodes)
-  {
-  }
-  void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override
-  {
-    *this->Tuple(node) = static_cast<unsigned char>(leaf.level);
-  }
-  void SetInner(vtkIdType node, vtkIdType firstChild) override
-  {
-    *this->Tuple(node) = static_cast<unsigned char>(*this->Tuple(firstChild) - 1);
-  }
-};
-
-class TreeIdFiller : public TypedFiller<int>
-{
-public:
-  TreeIdFiller(vtkCellData* cellData, vtkIdType nodes)
-    : TypedFiller(cellData, TreeIdName, 1, nodes)
-  {
-  }
-  void SetLeaf(vtkIdType node, const P4estQuadrant& leaf) override { *this->Tuple(node) = leaf.tree; }
-  void SetInner(vtkIdType node, vtkIdType firstChild) override
-  {
-    *this->Tuple(node) = *this->Tuple(firstChild);
-  }
-};
-
-std::unique_ptr<ArrayFiller> MakeFiller(vtkCellData* cellData, const PayloadField& field, vtkIdType nodes)
-{
-  switch (field.type)
-  {
-    case PayloadType::Int8:
-      return std::make_unique<PayloadFiller<vtkTypeInt8>>(cellData, field, nodes);
-    case PayloadType::UInt8:
-      return std::make_unique<PayloadFiller<vtkTypeUInt8>>(cellData, field, nodes);
-    case PayloadType::Int16:
-      return std::make_unique<PayloadFiller<vtkTypeInt16>>(cellData, field, nodes);
-    case PayloadType::UInt16:
-      return std::make_unique<PayloadFiller<vtkTypeUInt16>>(cellData, field, nodes);
-    case PayloadType::Int32:
-      return std::make_unique<PayloadFiller<vtkTypeInt32>>(cellData, field, nodes);
-    case PayloadType::UInt32:
-      return std::make_unique<PayloadFiller<vtkTypeUInt32>>(cellData, field, nodes);
-    case PayloadType::Int64:
-      return std::make_unique<PayloadFiller<vtkTypeInt64>>(cellData, field, nodes);
-    case PayloadType::UInt64:
-      return std::make_unique<PayloadFiller<vtkTypeUInt64>>(cellData, field, nodes);
-    case PayloadType::Float32:
-      return std::make_unique<PayloadFiller<float>>(cellData, field, nodes);
-    case PayloadType::Float64:
-      return std::make_unique<PayloadFiller<double>>(cellData, field, nodes);
-  }
-  return nullptr;
-}
 
 // Grows one hyper tree from its leaves in Morton order.
 class TreeBuilder
@@ -202,14 +67,14 @@ public:
     }
     for (auto& filler : fillers)
     {
-      filler->SetLeaf(this->GlobalStart + this->Node[this->Level], leaf);
+      filler->setLeaf(this->GlobalStart + this->Node[this->Level], leaf);
     }
     while (this->Level > 0 && this->Node[this->Level] == this->FirstChild[this->Level - 1] + 7)
     {
       --this->Level;
       for (auto& filler : fillers)
       {
-        filler->SetInner(
+        filler->setInner(
           this->GlobalStart + this->Node[this->Level], this->GlobalStart + this->FirstChild[this->Level]);
       }
     }
@@ -346,7 +211,7 @@ std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields, boo
   }
   if (generateLevel || fields.empty())
   {
-    for (const char* name : { LevelName, TreeIdName })
+    for (const char* name : { treeamr::levelArrayName, treeamr::treeIdArrayName })
     {
       if (std::ranges::find(names, name) == names.end())
       {
@@ -355,6 +220,16 @@ std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields, boo
     }
   }
   return names;
+}
+
+std::string Quoted(const std::vector<std::string>& names)
+{
+  std::string text;
+  for (const std::string& name : names)
+  {
+    text += (text.empty() ? "\"" : ", \"") + name + '"';
+  }
+  return text;
 }
 
 } // namespace
@@ -413,6 +288,17 @@ void vtkTreeAMRP4estReader::SetSelectableArrays(const std::vector<std::string>& 
 {
   vtkDataArraySelection* const selection = this->CellDataArraySelection;
   const bool someOff = selection->GetNumberOfArraysEnabled() < selection->GetNumberOfArrays();
+  if (someOff)
+  {
+    for (int i = 0; i < selection->GetNumberOfArrays(); ++i)
+    {
+      const char* const name = selection->GetArrayName(i);
+      if (selection->GetArraySetting(i) && std::ranges::find(names, name) == names.end())
+      {
+        this->UnknownArrays.insert(name);
+      }
+    }
+  }
   std::vector<const char*> list;
   bool someOn = false;
   for (const std::string& name : names)
@@ -428,6 +314,20 @@ bool vtkTreeAMRP4estReader::IsSelected(const std::string& name)
   // The file may have got another payload since UpdateInformation().
   return !this->CellDataArraySelection->ArrayExists(name.c_str()) ||
     this->CellDataArraySelection->ArrayIsEnabled(name.c_str());
+}
+
+// The names of RequestInformation, which the payload may have got meanwhile.
+void vtkTreeAMRP4estReader::WarnOfUnknownArrays(
+  const std::string& path, const std::vector<std::string>& names)
+{
+  std::vector<std::string> unknown;
+  std::ranges::copy_if(this->UnknownArrays, std::back_inserter(unknown),
+    [&](const std::string& name) { return std::ranges::find(names, name) == names.end(); });
+  this->UnknownArrays.clear();
+  if (!unknown.empty())
+  {
+    vtkWarningMacro(<< path << ": " << Quoted(unknown) << " to be read, allowed are " << Quoted(names));
+  }
 }
 
 // Once: the steps of a series all give the same remark.
@@ -525,8 +425,10 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   const PayloadReading payload = ReadPayload(file, this->Payload ? this->Payload : "");
   this->Remark(file.path(), payload.remark);
 
+  const std::vector<std::string> names = ArrayNames(payload.fields, this->GenerateLevel);
+  this->WarnOfUnknownArrays(file.path(), names);
   ArrayFillers fillers;
-  for (const std::string& name : ArrayNames(payload.fields, this->GenerateLevel))
+  for (const std::string& name : names)
   {
     if (!this->IsSelected(name))
     {
@@ -536,15 +438,15 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
     const auto field = std::ranges::find(payload.fields, name, &PayloadField::name);
     if (field != payload.fields.end())
     {
-      fillers.push_back(MakeFiller(cellData, *field, nodes));
+      fillers.push_back(treeamr::makeFiller(cellData, *field, nodes));
     }
-    else if (name == LevelName)
+    else if (name == treeamr::levelArrayName)
     {
-      fillers.push_back(std::make_unique<LevelFiller>(cellData, nodes));
+      fillers.push_back(std::make_unique<treeamr::LevelFiller>(cellData, nodes));
     }
     else
     {
-      fillers.push_back(std::make_unique<TreeIdFiller>(cellData, nodes));
+      fillers.push_back(std::make_unique<treeamr::TreeIdFiller>(cellData, nodes));
     }
     if (fillers.size() == 1)
     {

@@ -14,7 +14,7 @@
  *
  * The cell data selection has the arrays there are, all of them on: those that are off take neither memory
  * nor time. Turn an array off before UpdateInformation() has told of it, and it stays off. When some are off
- * and some on, those that nobody named are off, too.
+ * and some on, those that nobody named are off, too; a name that is on among them must be one of an array.
  *
  * A coarse cell has the mean of its eight children in arrays of float and double, and the value of its first
  * child in arrays of integers.
@@ -30,6 +30,7 @@
 #include "vtkNew.h"
 #include "vtkTreeAMRReaderModule.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -99,9 +100,11 @@ private:
   void Read(vtkHyperTreeGrid* grid);
   void SetSelectableArrays(const std::vector<std::string>& names);
   bool IsSelected(const std::string& name);
+  void WarnOfUnknownArrays(const std::string& path, const std::vector<std::string>& names);
   void Remark(const std::string& path, const std::string& remark);
 
   vtkNew<vtkDataArraySelection> CellDataArraySelection;
+  std::set<std::string> UnknownArrays;
   std::string LastRemark;
 
   vtkTreeAMRP4estReader(const vtkTreeAMRP4estReader&) = delete;

@@ -612,6 +612,28 @@ TEST_F(P4estReaderTest, SelectionBeforeThePayload)
   EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "a", "b", "d", "level", "treeid" }));
 }
 
+TEST_F(P4estReaderTest, UnknownSelectedArraysAreAWarning)
+{
+  const std::string path = folder_.file("forest.p8est");
+  smallBrick().save(path);
+  const MessageCatcher warnings(reader_, vtkCommand::WarningEvent);
+  reader_->SetFileName(path.c_str());
+  reader_->SetPayload("float a; float b; float c");
+  for (const auto& [name, status] : { std::pair("a", 0), std::pair("b", 0), std::pair("rho", 1) })
+  {
+    reader_->SetCellArrayStatus(name, status);
+  }
+  reader_->UpdateInformation();
+  reader_->Update();
+  ASSERT_EQ(warnings.messages().size(), 1u);
+  EXPECT_NE(
+    warnings.messages()[0].find(path + R"(: "rho" to be read, allowed are "a", "b", "c")"), std::string::npos)
+    << warnings.messages()[0];
+  reader_->SetCellArrayStatus("b", 1);
+  reader_->Update();
+  EXPECT_EQ(warnings.messages().size(), 1u);
+}
+
 TEST_F(P4estReaderTest, FirstArrayIsTheActiveScalars)
 {
   const std::string path = folder_.file("forest.p8est");
