@@ -103,6 +103,28 @@ struct OctantCrossing
   double t1;
   Vec3 from; // places at t0 and t1, 0 to 1 in the octant
   Vec3 to;
+
+  OctantCrossing(
+    const BlockPlanes& planes, const SlabRay& ray, int octantOfBlock, double tIn, double tOut) noexcept
+    : octant(octantOfBlock)
+    , t0(tIn)
+    , t1(tOut)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      const int cell = octant >> 2 * a & 3;
+      const double inverse = planes.inverseWidth[a][cell];
+      const double origin = ray.origin[a] - planes.at[a][cell];
+      from[a] = std::clamp((origin + t0 * ray.direction[a]) * inverse, 0., 1.);
+      to[a] = std::clamp((origin + t1 * ray.direction[a]) * inverse, 0., 1.);
+    }
+  }
+  /// The place a part s of the way from t0 to t1.
+  Vec3 place(double s) const noexcept
+  {
+    return { from[0] + s * (to[0] - from[0]), from[1] + s * (to[1] - from[1]),
+      from[2] + s * (to[2] - from[2]) };
+  }
 };
 
 /// Calls visit(crossing) for the active octants along [t0, t1] of the ray, near to far, until it returns false or
@@ -167,14 +189,7 @@ void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& r
     const int octant = cell[0] | cell[1] << 2 | cell[2] << 4;
     if (active >> octant & 1 && t0 < tOut)
     {
-      OctantCrossing crossing{ octant, t0, tOut, {}, {} };
-      for (int a = 0; a < 3; ++a)
-      {
-        const double inverse = planes.inverseWidth[a][cell[a]];
-        const double origin = ray.origin[a] - planes.at[a][cell[a]];
-        crossing.from[a] = std::clamp((origin + t0 * ray.direction[a]) * inverse, 0., 1.);
-        crossing.to[a] = std::clamp((origin + tOut * ray.direction[a]) * inverse, 0., 1.);
-      }
+      const OctantCrossing crossing(planes, ray, octant, t0, tOut);
       if (!visit(crossing))
       {
         return;

@@ -7,6 +7,7 @@
 #include "RayTracing/BlockWalk.h"
 #include "RayTracing/SurfaceBlocks.h"
 #include "RayTracing/SurfaceFrame.h"
+#include "RayTracing/SurfaceKernel.h"
 
 #include <embree3/rtcore.h>
 #include <oneapi/tbb/blocked_range2d.h>
@@ -95,6 +96,27 @@ struct Query
   SurfaceHit nearest;
   Vec3 place; // of the nearest hit in its octant
   std::vector<SurfaceHit>* all;
+  std::size_t most; // of all, that are wanted
+
+  float parameterOf(double t) const noexcept
+  {
+    return static_cast<float>((t - tEnter) / (tLeave - tEnter)) + embreeRounding;
+  }
+};
+
+/// Rays of a tile of an image: packets of 4 x 4 pixels take the same way and ask for the same vertex values.
+struct TileRays
+{
+  static constexpr int packet = 4;
+  static constexpr int size = 4 * packet; // pixels along an edge
+  static_assert(size * size == SlabRays::most && packet * packet == OctantCandidates::mostRays);
+
+  std::array<Query, size * size> queries;
+  std::array<std::size_t, size * size> pixels;
+  std::array<RTCRayHit, size * size> rays;
+  std::array<std::vector<SurfaceHit>, size * size> all;
+  SlabRays slabs;
+  OctantCandidates candidates;
 };
 
 /// Queries of rays, passed through Embree: a ray's id is the number of its query.
@@ -102,13 +124,20 @@ struct Batch
 {
   RTCIntersectContext context; // first: Embree hands back a pointer to it
   Query* queries;
+  TileRays* tile = nullptr;   // of the queries, for those of many rays
   std::exception_ptr failure; // of a callback: Embree would drop it with the rest of the hits
 
-  explicit Batch(Query* q, RTCIntersectContextFlags flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT)
-    : queries(q)
+  explicit Batch(Query& query)
+    : queries(&query)
   {
     rtcInitIntersectContext(&context);
-    context.flags = flags;
+  }
+  explicit Batch(TileRays& rays)
+    : queries(rays.queries.data())
+    , tile(&rays)
+  {
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   }
   void rethrow() const
   {
@@ -132,6 +161,7 @@ struct Isosurface::Impl
   std::atomic<std::ptrdiff_t> embreeBytes{ 0 };
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  mutable tbb::enumerable_thread_specific<std::unique_ptr<TileRays>> workers; // for frames
 
   Impl(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes)
     : blocks(field, std::move(isovalues), keptBytes)
@@ -191,9 +221,9 @@ struct Isosurface::Impl
     }
   }
 
-  /// Calls visit(record, planes, query, index of the ray) for the rays that Embree asks about.
+  /// Calls visit(batch, record, planes) for the rays that Embree asks about.
   template <class Args, class Visit>
-  static void forEachQuery(const Args* args, RTCRayN* rays, const Visit& visit) noexcept
+  static void visitBlock(const Args* args, const Visit& visit) noexcept
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     Batch& batch = *reinterpret_cast<Batch*>(args->context);
@@ -201,14 +231,7 @@ struct Isosurface::Impl
     {
       const SurfaceRecord& record = self.blocks.record(args->primID);
       record.prefetch();
-      const BlockPlanes planes(self.space, self.blocks.all()[args->primID]);
-      for (unsigned i = 0; i < args->N; ++i)
-      {
-        if (args->valid[i] != 0)
-        {
-          visit(record, planes, batch.queries[RTCRayN_id(rays, args->N, i)], i);
-        }
-      }
+      visit(batch, record, BlockPlanes(self.space, self.blocks.all()[args->primID]));
     }
     catch (...)
     {
@@ -220,16 +243,38 @@ struct Isosurface::Impl
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
-    forEachQuery(args, rays, [&](const auto& record, const auto& planes, Query& query, unsigned i) {
-      if (query.all)
+    const auto cut = [&](const Query& query, unsigned i, double t) {
+      RTCRayN_tfar(rays, args->N, i) = query.parameterOf(t);
+    };
+    visitBlock(args, [&](Batch& batch, const SurfaceRecord& record, const BlockPlanes& planes) {
+      for (unsigned i = 0; i < args->N;)
       {
-        self.collectInBlock(args->primID, record, planes, query);
-      }
-      else if (self.nearestInBlock(args->primID, record, planes, query))
-      {
-        const auto parameter =
-          static_cast<float>((query.nearest.t - query.tEnter) / (query.tLeave - query.tEnter));
-        RTCRayN_tfar(rays, args->N, i) = parameter + embreeRounding;
+        // Runs of rays that lie side by side.
+        const unsigned first = RTCRayN_id(rays, args->N, i);
+        unsigned count = 0;
+        while (i + count < args->N && count < OctantCandidates::mostRays && args->valid[i + count] != 0 &&
+          RTCRayN_id(rays, args->N, i + count) == first + count)
+        {
+          ++count;
+        }
+        if (count > 1)
+        {
+          self.crossTogether(args->primID, record, planes, *batch.tile, first, count,
+            [&](unsigned k, double t) { cut(batch.queries[first + k], i + k, t); });
+        }
+        else if (count == 1)
+        {
+          Query& query = batch.queries[first];
+          if (query.all)
+          {
+            self.collectInBlock(args->primID, record, planes, query);
+          }
+          else if (self.nearestInBlock(args->primID, record, planes, query))
+          {
+            cut(query, i, query.nearest.t);
+          }
+        }
+        i += std::max(count, 1u);
       }
     });
   }
@@ -237,10 +282,14 @@ struct Isosurface::Impl
   static void occludeBlock(const RTCOccludedFunctionNArguments* args)
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    forEachQuery(args, args->ray, [&](const auto& record, const auto& planes, Query& query, unsigned i) {
-      if (self.nearestInBlock(args->primID, record, planes, query))
+    visitBlock(args, [&](Batch& batch, const SurfaceRecord& record, const BlockPlanes& planes) {
+      for (unsigned i = 0; i < args->N; ++i)
       {
-        RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+        if (args->valid[i] != 0 &&
+          self.nearestInBlock(args->primID, record, planes, batch.queries[RTCRayN_id(args->ray, args->N, i)]))
+        {
+          RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+        }
       }
     });
   }
@@ -254,28 +303,33 @@ struct Isosurface::Impl
     return record.tolerance + record.hull * query.rounding * perWidth;
   }
 
+  /// Makes a root the query's nearest hit when it is.
+  static bool takeNearest(std::uint32_t block, std::uint32_t surface, const OctantCrossing& crossing,
+    double s, Query& query) noexcept
+  {
+    // Of equal hits of neighbours the first block's counts, whatever the order of visits.
+    const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
+    if (!(t < query.nearest.t || (t == query.nearest.t && block < query.nearest.block)))
+    {
+      return false;
+    }
+    query.nearest = { t, {}, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
+    query.place = crossing.place(s);
+    return true;
+  }
+
   /// Whether the query's nearest hit is now in this block.
   bool nearestInBlock(
     std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes, Query& query) const
   {
     const double tolerance = toleranceOf(record, planes, query);
     bool closer = false;
-    // Of equal hits of neighbours the first block's counts, whatever the order of visits.
     walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, query.nearest.t,
       [&](const OctantCrossing& crossing) {
         for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
         {
           visitRoots(alongCrossing(record, blocks.isovalues()[surface], crossing), tolerance, [&](double s) {
-            const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
-            if (t < query.nearest.t || (t == query.nearest.t && block < query.nearest.block))
-            {
-              query.nearest = { t, {}, {}, surface, block, static_cast<std::uint8_t>(crossing.octant) };
-              for (int a = 0; a < 3; ++a)
-              {
-                query.place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
-              }
-              closer = true;
-            }
+            closer = takeNearest(block, surface, crossing, s, query) || closer;
             return true;
           });
         }
@@ -299,6 +353,14 @@ struct Isosurface::Impl
     std::copy(normal.begin(), normal.end(), hit.normal.begin());
   }
 
+  void collect(std::uint32_t block, std::uint32_t surface, const SurfaceRecord& record,
+    const BlockPlanes& planes, const OctantCrossing& crossing, double s, std::vector<SurfaceHit>& all) const
+  {
+    all.push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0), {}, {}, surface, block,
+      static_cast<std::uint8_t>(crossing.octant) });
+    setGradients(record, planes, crossing.place(s), all.back());
+  }
+
   void collectInBlock(
     std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes, Query& query) const
   {
@@ -308,19 +370,66 @@ struct Isosurface::Impl
         for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
         {
           visitRoots(alongCrossing(record, blocks.isovalues()[surface], crossing), tolerance, [&](double s) {
-            Vec3 place;
-            for (int a = 0; a < 3; ++a)
-            {
-              place[a] = crossing.from[a] + s * (crossing.to[a] - crossing.from[a]);
-            }
-            query.all->push_back({ crossing.t0 + s * (crossing.t1 - crossing.t0), {}, {}, surface, block,
-              static_cast<std::uint8_t>(crossing.octant) });
-            setGradients(record, planes, place, query.all->back());
+            collect(block, surface, record, planes, crossing, s, *query.all);
             return false;
           });
         }
         return true;
       });
+  }
+
+  /// The same for rays side by side. cut(k, t): those of ray first + k need not be asked about beyond t.
+  template <class Cut>
+  void crossTogether(std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes,
+    TileRays& tile, unsigned first, unsigned count, const Cut& cut) const
+  {
+    const std::span<const double> isovalues = blocks.isovalues();
+    OctantCandidates& candidates = tile.candidates;
+    for (std::size_t s0 = 0; s0 < isovalues.size(); s0 += OctantCandidates::mostIsovalues)
+    {
+      const auto some =
+        isovalues.subspan(s0, std::min<std::size_t>(OctantCandidates::mostIsovalues, isovalues.size() - s0));
+      crossBlock(
+        record, planes, some, tile.slabs, static_cast<int>(first), static_cast<int>(count), candidates);
+      for (int i = 0; i < candidates.count; ++i)
+      {
+        const auto number = static_cast<std::size_t>(candidates.ray(i));
+        Query& query = tile.queries[number];
+        const auto surface = static_cast<std::uint32_t>(s0) + candidates.isovalue(i);
+        std::optional<OctantCrossing> crossing;
+        visitRoots(candidates.along(i), candidates.tolerance[i], [&](double s) {
+          if (!crossing)
+          {
+            crossing.emplace(planes, query.ray, candidates.octant(i), candidates.t0[i], candidates.t1[i]);
+          }
+          if (query.all)
+          {
+            collect(block, surface, record, planes, *crossing, s, *query.all);
+            return false;
+          }
+          if (takeNearest(block, surface, *crossing, s, query))
+          {
+            tile.slabs.limit[number] = query.nearest.t;
+            cut(number - first, query.nearest.t);
+          }
+          return true;
+        });
+      }
+    }
+    for (unsigned k = 0; k < count; ++k)
+    {
+      // Not at every hit: to sort them takes time.
+      Query& query = tile.queries[first + k];
+      if (query.all && query.all->size() / 2 >= query.most)
+      {
+        finish(query, *query.all);
+        if (query.all->size() == query.most)
+        {
+          tile.slabs.limit[first + k] = query.all->back().t;
+          cut(k, query.all->back().t);
+        }
+      }
+    }
   }
 
   void build()
@@ -370,6 +479,7 @@ struct Isosurface::Impl
     query.tLeave = tMax;
     query.rounding = 0.;
     query.all = nullptr;
+    query.most = std::numeric_limits<std::size_t>::max();
     query.ray.enterUpperFaces(domain);
     if (!query.ray.clip(domain.min, domain.max, query.tEnter, query.tLeave))
     {
@@ -408,7 +518,7 @@ struct Isosurface::Impl
 
   void trace(Query& query, RTCRayHit& ray) const
   {
-    Batch batch(&query);
+    Batch batch(query);
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene, &batch.context, &ray);
     batch.rethrow();
@@ -440,22 +550,41 @@ struct Isosurface::Impl
     return width;
   }
 
-  /// Sorts the hits of a traced query, each once.
+  /// Sorts the hits of a traced query, each once, and leaves the nearest that are wanted.
   void finish(const Query& query, std::vector<SurfaceHit>& hits) const
   {
-    std::sort(hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) {
-      return a.surface != b.surface ? a.surface < b.surface : a.t != b.t ? a.t < b.t : a.block < b.block;
-    });
+    // They come nearly sorted.
+    for (std::size_t i = 1; i < hits.size(); ++i)
+    {
+      const auto before = [](const SurfaceHit& a, const SurfaceHit& b) {
+        return a.t != b.t ? a.t < b.t : a.surface != b.surface ? a.surface < b.surface : a.block < b.block;
+      };
+      if (before(hits[i], hits[i - 1]))
+      {
+        const auto at = std::upper_bound(hits.begin(), hits.begin() + i, hits[i], before);
+        std::rotate(at, hits.begin() + i, hits.begin() + i + 1);
+      }
+    }
     const Vec3& d = query.ray.direction;
     const double speed = std::max({ std::abs(d[0]), std::abs(d[1]), std::abs(d[2]) });
-    const auto same = [&](const SurfaceHit& a, const SurfaceHit& b) {
-      const double apart = (b.t - a.t) * speed;
-      return a.surface == b.surface && apart <= sameHit * widest &&
-        apart <= sameHit * leafWidth(a, { 1., 1., 1. });
-    };
-    hits.erase(std::unique(hits.begin(), hits.end(), same), hits.end());
-    std::stable_sort(
-      hits.begin(), hits.end(), [](const SurfaceHit& a, const SurfaceHit& b) { return a.t < b.t; });
+    std::size_t kept = 0;
+    for (const SurfaceHit& hit : hits)
+    {
+      bool isNew = true;
+      for (std::size_t k = kept; k > 0 && (hit.t - hits[k - 1].t) * speed <= sameHit * widest; --k)
+      {
+        if (hits[k - 1].surface == hit.surface)
+        {
+          isNew = (hit.t - hits[k - 1].t) * speed > sameHit * leafWidth(hits[k - 1], { 1., 1., 1. });
+          break;
+        }
+      }
+      if (isNew)
+      {
+        hits[kept++] = hit;
+      }
+    }
+    hits.resize(std::min(kept, query.most));
   }
 };
 
@@ -535,13 +664,14 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
   {
     return false;
   }
-  Batch batch(&query);
+  Batch batch(query);
   rtcOccluded1(impl_->scene, &batch.context, &r);
   batch.rethrow();
   return query.nearest.block != RTC_INVALID_GEOMETRY_ID;
 }
 
-void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& image) const
+void Isosurface::render(
+  const Camera& camera, SurfaceLayers layers, HitImage& image, std::size_t mostHits) const
 {
   const auto width = static_cast<std::size_t>(camera.width());
   const std::size_t pixels = width * camera.height();
@@ -550,9 +680,8 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
   const Vec3 eye = camera.eye();
   const Bounds domain = impl_->blocks.field().octree().grid().bounds();
   const bool isCut = !camera.seesAllDepthsOf(domain.min, domain.max);
-  // Tiles of packets of 4 x 4 pixels: rays near each other take the same way and ask for the same vertex values.
-  constexpr int packet = 4;
-  constexpr int tile = 4 * packet;
+  constexpr int packet = TileRays::packet;
+  constexpr int tile = TileRays::size;
   const int tilesX = (camera.width() + tile - 1) / tile;
   const int tilesY = (camera.height() + tile - 1) / tile;
   std::vector<std::vector<SurfaceHit>> parts(static_cast<std::size_t>(tilesX) * tilesY);
@@ -581,17 +710,9 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
       }
     }
   };
-  struct Rays
-  {
-    std::array<Query, tile * tile> queries;
-    std::array<std::size_t, tile * tile> pixels;
-    std::array<RTCRayHit, tile * tile> rays;
-    std::array<std::vector<SurfaceHit>, tile * tile> all;
-  };
-  tbb::enumerable_thread_specific<std::unique_ptr<Rays>> workers;
   forTiles([&](int i, int j, std::vector<SurfaceHit>& found) {
-    std::unique_ptr<Rays>& own = workers.local();
-    own = own ? std::move(own) : std::make_unique<Rays>();
+    std::unique_ptr<TileRays>& own = impl_->workers.local();
+    own = own ? std::move(own) : std::make_unique<TileRays>();
     // The pixels that show the box form a convex area.
     bool mayMiss = false;
     for (int corner = 0; fan && corner < 4; ++corner)
@@ -609,13 +730,20 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
       const double tMin = isCut ? camera.tFromDepth(ray, 0.) : 0.;
       const double tMax = isCut ? camera.tFromDepth(ray, 1.) : std::numeric_limits<double>::infinity();
       RTCRayHit& r = own->rays[count];
-      if (impl_->prepare(ray, tMin, tMax, count, own->queries[count], r.ray))
+      Query& query = own->queries[count];
+      if (impl_->prepare(ray, tMin, tMax, count, query, r.ray))
       {
         r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        own->slabs.set(count, query.ray);
+        own->slabs.enter[count] = query.tEnter;
+        own->slabs.leave[count] = query.tLeave;
+        own->slabs.limit[count] = query.nearest.t;
+        own->slabs.rounding[count] = query.rounding;
         if (layers == SurfaceLayers::All)
         {
           own->all[count].clear();
-          own->queries[count].all = &own->all[count];
+          query.all = &own->all[count];
+          query.most = mostHits;
         }
         own->pixels[count++] = pixel;
       }
@@ -624,7 +752,7 @@ void Isosurface::render(const Camera& camera, SurfaceLayers layers, HitImage& im
     {
       return;
     }
-    Batch batch(own->queries.data(), RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    Batch batch(*own);
     rtcIntersect1M(impl_->scene, &batch.context, own->rays.data(), count, sizeof(RTCRayHit));
     batch.rethrow();
     for (unsigned k = 0; k < count; ++k)

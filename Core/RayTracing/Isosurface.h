@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -78,8 +79,9 @@ public:
   void intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const;
   /// Whether there is any hit.
   bool occluded(const Ray& ray, double tMin, double tMax) const;
-  /// Hits between the camera's near and far planes.
-  void render(const Camera& camera, SurfaceLayers layers, HitImage& image) const;
+  /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at most.
+  void render(const Camera& camera, SurfaceLayers layers, HitImage& image,
+    std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
 
   /// Its place.
   CellId cell(const SurfaceHit& hit) const noexcept;
