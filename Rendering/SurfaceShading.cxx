@@ -7,6 +7,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace treeamr
@@ -191,6 +192,26 @@ void flattenLayers(
     }
   });
   arrangeTiles(camera, image);
+}
+
+void slopeHits(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image)
+{
+  // Seen at a smaller cosine, the tangent plane leaves the surface within the pixel.
+  constexpr double leastCosine = 0.1;
+  const SurfaceFrame frame(camera.worldFromData());
+  image.Slope.resize(2 * image.Depth.size());
+  forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
+    const SurfaceHit& hit = hits.hits[i];
+    const Vec3 away = normalized(frame.worldVector(ray.direction));
+    const Vec3 toEye{ -away[0], -away[1], -away[2] };
+    const double part = std::min(1., dot(frame.worldNormal(hit.gradient, toEye), toEye) / leastCosine);
+    const std::array<double, 2> slope = camera.depthSlope(pointAt(ray, hit.t), hit.gradient);
+    for (int a = 0; a < 2; ++a)
+    {
+      const double s = part * slope[a];
+      image.Slope[2 * i + a] = std::isfinite(s) ? static_cast<float>(s) : 0.f;
+    }
+  });
 }
 
 void fillHits(

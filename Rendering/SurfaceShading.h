@@ -48,6 +48,9 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
 void flattenLayers(
   const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image);
 
+/// Fills Slope of the image, of the depths that shadeHits() has filled.
+void slopeHits(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image);
+
 /// RGB of a hit. Called from several threads.
 using HitColor = std::function<std::array<float, 3>(const SurfaceHit&)>;
 /// The nearest hits in colours without lighting, for hardware selection.

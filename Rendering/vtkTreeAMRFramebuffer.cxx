@@ -57,6 +57,7 @@ flat in int treeamrLayer;
 uniform sampler2D treeamrRuns;
 uniform sampler2D treeamrColor;
 uniform sampler2D treeamrDepth;
+//TreeAMR::Slope::Dec
 //VTK::DepthPeeling::Dec
 //TreeAMR::Geometry::Dec
 void main()
@@ -70,6 +71,7 @@ void main()
   int column = int(run.x) + treeamrLayer;
   ivec2 point = ivec2(column % columns, int(run.y) + column / columns);
   gl_FragDepth = texelFetch(treeamrDepth, point, 0).r;
+  //TreeAMR::Slope::Impl
   //VTK::DepthPeeling::PreColor
   gl_FragData[0] = texelFetch(treeamrColor, point, 0);
   //TreeAMR::Geometry::Impl
@@ -77,6 +79,12 @@ void main()
 }
 )";
 
+const char* const slopeDeclaration = "uniform sampler2D treeamrSlope;\n";
+const char* const slopeImplementation =
+  "  vec2 size = vec2(textureSize(treeamrRuns, 0));\n"
+  "  vec2 fromMiddle = texCoord - (floor(texCoord * size) + 0.5) / size;\n"
+  "  gl_FragDepth += dot(texelFetch(treeamrSlope, point, 0).xy, fromMiddle);\n"
+  "  gl_FragDepth = clamp(gl_FragDepth, 0.0, 1.0);\n";
 const char* const geometryDeclarations = "uniform sampler2D treeamrPosition;\n"
                                          "uniform sampler2D treeamrNormal;\n";
 const char* const geometryOutputs =
@@ -234,24 +242,29 @@ bool isAmbientOcclusion(vtkOpenGLRenderPass* pass)
 } // anonymous namespace
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
-  const vtkTreeAMRSurfaceImage& image, bool geometry)
+void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window,
+  const treeamr::ImageReduction& reduction, const vtkTreeAMRSurfaceImage& image, bool geometry)
 {
   this->NumberOfTiles = image.NumberOfTiles;
   this->Geometry = geometry;
+  this->Full = reduction.isFull();
   if (image.NumberOfTiles == 0)
   {
     return;
   }
-  this->TileSize[0] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / viewport.Width;
-  this->TileSize[1] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / viewport.Height;
+  this->TileSize[0] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / reduction.width();
+  this->TileSize[1] = static_cast<float>(vtkTreeAMRSurfaceImage::TileSize) / reduction.height();
   constexpr int columns = vtkTreeAMRSurfaceImage::Columns;
   const int rows = static_cast<int>(image.Depth.size() / columns);
   this->Tiles.Upload(
     window, columns, static_cast<int>(image.Tiles.size() / 3 / columns), 3, image.Tiles.data());
-  this->Runs.Upload(window, viewport.Width, viewport.Height, 3, image.Runs.data());
+  this->Runs.Upload(window, reduction.width(), reduction.height(), 3, image.Runs.data());
   this->Color.Upload(window, columns, rows, 4, image.RGBA.data());
   this->Depth.Upload(window, columns, rows, 1, image.Depth.data());
+  if (!this->Full)
+  {
+    this->Slope.Upload(window, columns, rows, 2, image.Slope.data());
+  }
   if (geometry)
   {
     this->Position.Upload(window, columns, rows, 3, image.Position.data());
@@ -263,7 +276,7 @@ void vtkTreeAMRSurfaceTextures::Upload(vtkOpenGLRenderWindow* window, const vtkT
 void vtkTreeAMRSurfaceTextures::ReleaseGraphicsResources(vtkWindow* window)
 {
   for (vtkTreeAMRFloatTexture* texture :
-    { &this->Tiles, &this->Runs, &this->Color, &this->Depth, &this->Position, &this->Normal })
+    { &this->Tiles, &this->Runs, &this->Color, &this->Depth, &this->Slope, &this->Position, &this->Normal })
   {
     texture->ReleaseGraphicsResources(window);
   }
@@ -391,7 +404,7 @@ bool vtkTreeAMRFramebuffer::IsDepthPeeling(vtkProp* prop)
 }
 
 //------------------------------------------------------------------------------
-vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractMapper* mapper)
+vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractMapper* mapper, bool full)
 {
   std::string vertexShader;
   std::string geometryShader;
@@ -400,6 +413,11 @@ vtkTreeAMRQuad& vtkTreeAMRFramebuffer::SurfaceQuad(vtkActor* actor, vtkAbstractM
   for (vtkOpenGLRenderPass* pass : passes)
   {
     pass->PreReplaceShaderValues(vertexShader, geometryShader, fragmentShader, mapper, actor);
+  }
+  if (!full)
+  {
+    vtkShaderProgram::Substitute(fragmentShader, "//TreeAMR::Slope::Dec", slopeDeclaration);
+    vtkShaderProgram::Substitute(fragmentShader, "//TreeAMR::Slope::Impl", slopeImplementation);
   }
   if (WantsGeometry(actor))
   {
@@ -423,7 +441,7 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
   }
   vtkOpenGLRenderWindow* window = GetWindow(renderer);
   vtkOpenGLState* state = window->GetState();
-  vtkTreeAMRQuad& quad = this->SurfaceQuad(actor, mapper);
+  vtkTreeAMRQuad& quad = this->SurfaceQuad(actor, mapper, textures.Full);
   vtkShaderProgram* program = quad.Use(window);
   for (vtkOpenGLRenderPass* pass : getPasses(actor))
   {
@@ -458,6 +476,11 @@ void vtkTreeAMRFramebuffer::DrawSurface(vtkRenderer* renderer, vtkActor* actor, 
   const vtkTreeAMRFloatTexture::Binding runs(textures.Runs, program, "treeamrRuns");
   const vtkTreeAMRFloatTexture::Binding color(textures.Color, program, "treeamrColor");
   const vtkTreeAMRFloatTexture::Binding depth(textures.Depth, program, "treeamrDepth");
+  std::optional<vtkTreeAMRFloatTexture::Binding> slope;
+  if (!textures.Full)
+  {
+    slope.emplace(textures.Slope, program, "treeamrSlope");
+  }
   std::optional<vtkTreeAMRFloatTexture::Binding> position;
   std::optional<vtkTreeAMRFloatTexture::Binding> normal;
   if (textures.Geometry)

@@ -39,7 +39,9 @@ struct vtkTreeAMRSurfaceImage
   std::vector<float> Runs;
   // Of each point; the last row is filled up.
   std::vector<float> RGBA;  // not premultiplied
-  std::vector<float> Depth; // window depth
+  std::vector<float> Depth; // window depth, in the middle of the pixel
+  // Its change along x and y over the whole image; only of images with fewer pixels than the viewport.
+  std::vector<float> Slope;
   // x, y, z in view coordinates; only when vtkTreeAMRFramebuffer::WantsGeometry()
   std::vector<float> Position;
   std::vector<float> Normal;
@@ -50,7 +52,7 @@ class vtkTreeAMRSurfaceTextures
 {
 public:
   /// Throws treeamr::Error.
-  void Upload(vtkOpenGLRenderWindow* window, const vtkTreeAMRViewport& viewport,
+  void Upload(vtkOpenGLRenderWindow* window, const treeamr::ImageReduction& reduction,
     const vtkTreeAMRSurfaceImage& image, bool geometry);
   bool HasGeometry() const { return this->Geometry; }
   void ReleaseGraphicsResources(vtkWindow* window);
@@ -60,10 +62,12 @@ private:
   int NumberOfTiles = 0;
   float TileSize[2] = { 0.f, 0.f }; // in texture coordinates
   bool Geometry = false;
+  bool Full = true; // a point is one of a pixel
   vtkTreeAMRFloatTexture Tiles;
   vtkTreeAMRFloatTexture Runs;
   vtkTreeAMRFloatTexture Color;
   vtkTreeAMRFloatTexture Depth;
+  vtkTreeAMRFloatTexture Slope;
   vtkTreeAMRFloatTexture Position;
   vtkTreeAMRFloatTexture Normal;
 };
@@ -104,7 +108,7 @@ public:
   void ReleaseGraphicsResources(vtkWindow* window);
 
 private:
-  vtkTreeAMRQuad& SurfaceQuad(vtkActor* actor, vtkAbstractMapper* mapper);
+  vtkTreeAMRQuad& SurfaceQuad(vtkActor* actor, vtkAbstractMapper* mapper, bool full);
 
   vtkTreeAMRQuadSet OverQuads;
   vtkTreeAMRRayTexture Over{ "treeamrImage" };

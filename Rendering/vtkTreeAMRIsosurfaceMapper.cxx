@@ -1,5 +1,6 @@
 #include "vtkTreeAMRIsosurfaceMapper.h"
 
+#include "ImageReduction.h"
 #include "MapperInput.h"
 #include "SceneConversion.h"
 #include "SurfaceColors.h"
@@ -32,10 +33,27 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
+
+namespace
+{
+
+/// How many layers of an opacity let light through that 8 bits could show.
+std::size_t layersBeforeOpaque(double opacity)
+{
+  if (!(opacity > 0.))
+  {
+    return std::numeric_limits<std::size_t>::max();
+  }
+  constexpr double nothing = 1. / 512.;
+  return opacity >= 1. ? 1 : static_cast<std::size_t>(std::ceil(std::log(nothing) / std::log1p(-opacity)));
+}
+
+} // anonymous namespace
 
 //------------------------------------------------------------------------------
 // One actor in one renderer, as one eye sees it. Its picture serves all passes of a frame (depth peeling), its hits all frames
@@ -54,7 +72,15 @@ struct vtkTreeAMRIsosurfaceMapper::View
   treeamr::Matrix4 ClipFromData{};
   treeamr::Matrix4 ViewFromData{};
   vtkTreeAMRViewport Viewport;
+  std::size_t MostHits = 0; // of a pixel
+  treeamr::ImageReduction Reduction{ 1, 1, 1. };
+  double SampleDistance = 0.;
   treeamr::HitImage Hits;
+
+  // What it took to trace and shade them, for the drafts to come.
+  treeamr::SampleDistanceControl SampleDistances;
+  double Seconds = 0.; // negative: known
+  bool IsInteractive = false;
 
   // What is known of the hits besides.
   std::shared_ptr<const treeamr::Field> ColorField;
@@ -86,7 +112,6 @@ struct vtkTreeAMRIsosurfaceMapper::View
   View& operator=(const View&) = delete;
 
   void StartFrame() { this->PictureIsOfThisFrame = false; }
-  void UpdateHits(const std::shared_ptr<const treeamr::Isosurface>& surface);
   /// Length in the view of the longest diagonal of the grid's bounds.
   double DiagonalOf(const treeamr::RootGrid& grid) const;
 };
@@ -109,6 +134,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   vtkTimeStamp SurfaceTime;
 
   std::vector<std::unique_ptr<View>> Views;
+  double LastSampleDistance = 0.;
   vtkTreeAMRSurfaceImage Image; // on its way to the graphics card
 
   View& ViewOf(vtkMapper* self, vtkRenderer* renderer, vtkActor* actor);
@@ -133,6 +159,11 @@ void vtkTreeAMRIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "AmbientOcclusionSamples: " << this->AmbientOcclusionSamples << endl;
   os << indent << "AmbientOcclusionRadius: " << this->AmbientOcclusionRadius << endl;
   os << indent << "Shadows: " << this->Shadows << endl;
+  os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << endl;
+  os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << endl;
+  os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << endl;
+  os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << endl;
+  os << indent << "InteractiveRenderTime: " << this->InteractiveRenderTime << endl;
   os << indent << "NumberOfPrimitives: " << this->GetNumberOfPrimitives() << endl;
 }
 
@@ -235,6 +266,12 @@ vtkIdType vtkTreeAMRIsosurfaceMapper::GetNumberOfPrimitives()
 }
 
 //------------------------------------------------------------------------------
+double vtkTreeAMRIsosurfaceMapper::GetLastImageSampleDistance()
+{
+  return this->Private->LastSampleDistance;
+}
+
+//------------------------------------------------------------------------------
 vtkMTimeType vtkTreeAMRIsosurfaceMapper::GetSurfaceBuildTime()
 {
   return this->Private->SurfaceTime.GetMTime();
@@ -300,35 +337,76 @@ vtkTreeAMRIsosurfaceMapper::View& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::View::UpdateHits(const std::shared_ptr<const treeamr::Isosurface>& surface)
+double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view, bool isNew)
 {
-  this->Viewport = vtkTreeAMRFramebuffer::GetViewport(this->Renderer);
-  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(this->Renderer, this->Actor);
-  const treeamr::Matrix4 viewFromData = treeamr::viewFromData(this->Renderer, this->Actor);
-  const treeamr::SurfaceLayers layers = this->Actor->IsRenderingTranslucentPolygonalGeometry()
+  if (view.Renderer->GetSelector())
+  {
+    return 1.;
+  }
+  if (!this->AutoAdjustSampleDistances)
+  {
+    return this->ImageSampleDistance;
+  }
+  if (!view.IsInteractive)
+  {
+    return this->MinimumImageSampleDistance;
+  }
+  if (!isNew)
+  {
+    return view.SampleDistance; // a still camera loses nothing
+  }
+  const double seconds =
+    this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.Actor->GetAllocatedRenderTime();
+  const double pixels = static_cast<double>(view.Viewport.Width) * view.Viewport.Height;
+  return view.SampleDistances.choose(
+    seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
+{
+  const std::shared_ptr<const treeamr::Isosurface>& surface = this->Private->Surface;
+  view.Viewport = vtkTreeAMRFramebuffer::GetViewport(view.Renderer);
+  view.IsInteractive = treeamr::isInteractive(view.Renderer);
+  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(view.Renderer, view.Actor);
+  const treeamr::Matrix4 viewFromData = treeamr::viewFromData(view.Renderer, view.Actor);
+  const treeamr::SurfaceLayers layers = view.Actor->IsRenderingTranslucentPolygonalGeometry()
     ? treeamr::SurfaceLayers::All
     : treeamr::SurfaceLayers::Nearest;
-  if (this->Camera && this->Camera->width() == this->Viewport.Width &&
-    this->Camera->height() == this->Viewport.Height && this->ClipFromData == clipFromData &&
-    this->ViewFromData == viewFromData && this->Surface == surface && this->Layers == layers)
+  const std::size_t mostHits = layersBeforeOpaque(view.Actor->GetProperty()->GetOpacity());
+  if (view.Surface != surface || view.Layers != layers)
+  {
+    view.SampleDistances = {};
+  }
+  const bool isNew = !view.Camera || view.Reduction.fullWidth() != view.Viewport.Width ||
+    view.Reduction.fullHeight() != view.Viewport.Height || view.ClipFromData != clipFromData ||
+    view.ViewFromData != viewFromData || view.Surface != surface || view.Layers != layers ||
+    (layers == treeamr::SurfaceLayers::All && view.MostHits != mostHits);
+  const double distance = this->ChooseSampleDistance(view, isNew);
+  if (!isNew && distance == view.SampleDistance)
   {
     return;
   }
-  this->Camera.reset();
-  this->PictureIsOfThisFrame = false;
-  this->ColorField.reset();
-  this->Visibility = {};
-  this->OpenRays.clear();
-  this->AmbientOcclusionRays = 0;
-  this->ShadowLights.clear();
-  this->ClipFromData = clipFromData;
-  this->ViewFromData = viewFromData;
-  this->Surface = surface;
-  this->Layers = layers;
-  const treeamr::Camera camera(clipFromData, viewFromData, this->Viewport.Width, this->Viewport.Height);
+  const double start = vtkTimerLog::GetUniversalTime();
+  view.Camera.reset();
+  view.PictureIsOfThisFrame = false;
+  view.ColorField.reset();
+  view.Visibility = {};
+  view.OpenRays.clear();
+  view.AmbientOcclusionRays = 0;
+  view.ShadowLights.clear();
+  view.ClipFromData = clipFromData;
+  view.ViewFromData = viewFromData;
+  view.Surface = surface;
+  view.Layers = layers;
+  view.MostHits = mostHits;
+  view.Reduction = treeamr::ImageReduction(view.Viewport.Width, view.Viewport.Height, distance);
+  view.SampleDistance = distance;
+  const treeamr::Camera camera(clipFromData, viewFromData, view.Reduction.width(), view.Reduction.height());
   surface->startFrame();
-  surface->render(camera, layers, this->Hits);
-  this->Camera = camera;
+  surface->render(camera, layers, view.Hits, mostHits);
+  view.Camera = camera;
+  view.Seconds = vtkTimerLog::GetUniversalTime() - start;
 }
 
 //------------------------------------------------------------------------------
@@ -459,13 +537,19 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   }
 
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
-    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid), internals.Image);
+    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid),
+    internals.Image);
   if (view.Layers == treeamr::SurfaceLayers::All && !vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
   {
     // VTK's order independent pass would average them.
     std::vector<float> depth;
     internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
-    treeamr::flattenLayers(view.Hits, *view.Camera, depth, internals.Image);
+    treeamr::flattenLayers(view.Hits, *view.Camera,
+      view.Reduction.isFull() ? depth : view.Reduction.sample(depth), internals.Image);
+  }
+  if (!view.Reduction.isFull())
+  {
+    treeamr::slopeHits(view.Hits, *view.Camera, internals.Image);
   }
   const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.Actor);
   if (geometry)
@@ -473,7 +557,7 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
     treeamr::placeHits(view.Hits, *view.Camera, internals.Image);
   }
   view.Picture.Upload(
-    vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Viewport, internals.Image, geometry);
+    vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Reduction, internals.Image, geometry);
 }
 
 //------------------------------------------------------------------------------
@@ -492,7 +576,7 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
     return;
   }
   View& view = internals.ViewOf(this, renderer, actor);
-  view.UpdateHits(internals.Surface);
+  this->UpdateHits(view);
   if (renderer->GetSelector())
   {
     this->Select(view);
@@ -500,8 +584,17 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   }
   if (!view.PictureIsOfThisFrame || view.Picture.HasGeometry() != vtkTreeAMRFramebuffer::WantsGeometry(actor))
   {
+    const double start = vtkTimerLog::GetUniversalTime();
     this->Shade(view, grid);
     view.PictureIsOfThisFrame = true;
+    if (view.Seconds >= 0.)
+    {
+      const double seconds = view.Seconds + vtkTimerLog::GetUniversalTime() - start;
+      const double pixels = static_cast<double>(view.Viewport.Width) * view.Viewport.Height;
+      view.SampleDistances.record(view.SampleDistance, seconds / pixels, view.IsInteractive);
+      view.Seconds = -1.;
+    }
+    internals.LastSampleDistance = view.SampleDistance;
   }
   internals.Framebuffer.DrawSurface(renderer, actor, this, view.Picture);
 }
@@ -560,7 +653,8 @@ void vtkTreeAMRIsosurfaceMapper::Select(View& view)
   };
   treeamr::fillHits(view.Hits, *view.Camera, color, internals.Image);
   view.PictureIsOfThisFrame = false;
-  view.Picture.Upload(vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Viewport, internals.Image, false);
+  view.Picture.Upload(
+    vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Reduction, internals.Image, false);
   internals.Framebuffer.DrawSurface(view.Renderer, view.Actor, this, view.Picture);
 }
 

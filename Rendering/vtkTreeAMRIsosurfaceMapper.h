@@ -114,6 +114,26 @@ public:
   ///@}
 
   ///@{
+  /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when camera, actor
+  /// or surfaces have changed, an interactive frame is traced with as few rays as fit InteractiveRenderTime or, when
+  /// that is 0, the time that VTK allocates to the actor. Their pixels have the depth of the surface's tangent plane.
+  /// Interactive frames of a still camera keep the picture there is; hardware selection always has one ray a pixel.
+  vtkSetMacro(AutoAdjustSampleDistances, bool);
+  vtkGetMacro(AutoAdjustSampleDistances, bool);
+  vtkBooleanMacro(AutoAdjustSampleDistances, bool);
+  vtkSetClampMacro(ImageSampleDistance, double, 1., 100.);
+  vtkGetMacro(ImageSampleDistance, double);
+  vtkSetClampMacro(MinimumImageSampleDistance, double, 1., 100.);
+  vtkGetMacro(MinimumImageSampleDistance, double);
+  vtkSetClampMacro(MaximumImageSampleDistance, double, 1., 100.);
+  vtkGetMacro(MaximumImageSampleDistance, double);
+  vtkSetClampMacro(InteractiveRenderTime, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(InteractiveRenderTime, double);
+  ///@}
+  /// Pixels between the rays of the last frame, in whichever renderer; 0 before the first.
+  double GetLastImageSampleDistance();
+
+  ///@{
   /// Octants that the surfaces in use pass through, and when the mapper got them; 0 before the first.
   vtkIdType GetNumberOfPrimitives();
   vtkMTimeType GetSurfaceBuildTime();
@@ -141,6 +161,11 @@ protected:
   int AmbientOcclusionSamples = 0;
   double AmbientOcclusionRadius = 0.05;
   bool Shadows = false;
+  bool AutoAdjustSampleDistances = true;
+  double ImageSampleDistance = 1.;
+  double MinimumImageSampleDistance = 1.;
+  double MaximumImageSampleDistance = 10.;
+  double InteractiveRenderTime = 0.;
 
 private:
   struct View;
@@ -150,6 +175,8 @@ private:
   void UpdateSurface(vtkHyperTreeGrid* grid);
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
   treeamr::HitColors MapColors(View& view, vtkHyperTreeGrid* grid);
+  double ChooseSampleDistance(View& view, bool isNew);
+  void UpdateHits(View& view);
   void Shade(View& view, vtkHyperTreeGrid* grid);
   void TraceVisibility(View& view, const std::vector<treeamr::Light>& lights);
   void Select(View& view);

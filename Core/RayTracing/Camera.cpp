@@ -183,4 +183,18 @@ double Camera::depthFromT(const Ray& ray, double t) const noexcept
   return 0.5 * z / w + 0.5;
 }
 
+std::array<double, 2> Camera::depthSlope(const Vec3& point, const Vec3& normal) const noexcept
+{
+  // The plane as a row vector, taken to clip space: its product with points of the plane vanishes.
+  const Matrix4& m = dataFromClip_;
+  const double offset = -(normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2]);
+  std::array<double, 3> plane;
+  for (int c = 0; c < 3; ++c)
+  {
+    plane[c] = normal[0] * m[c] + normal[1] * m[4 + c] + normal[2] * m[8 + c] + offset * m[12 + c];
+  }
+  // Both depths from 0 to 1 and images from edge to edge are half of clip space's.
+  return { -plane[0] / plane[2], -plane[1] / plane[2] };
+}
+
 } // namespace treeamr

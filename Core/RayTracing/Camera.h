@@ -58,6 +58,9 @@ public:
   bool seesAllDepthsOf(const Vec3& boxMin, const Vec3& boxMax) const noexcept;
   /// Window depth of the point at t.
   double depthFromT(const Ray& ray, double t) const noexcept;
+  /// The change of a plane's window depth from the left to the right and from the lower to the upper edge of the
+  /// image. point, normal: of the plane, in data coordinates; not finite for a plane through the eye.
+  std::array<double, 2> depthSlope(const Vec3& point, const Vec3& normal) const noexcept;
 
 private:
   double worldLength(const Vec3& direction) const noexcept;

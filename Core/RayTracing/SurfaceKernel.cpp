@@ -52,7 +52,6 @@ struct Axis
   }
   HWY_INLINE void advance(Mask rays)
   {
-    const Tag d;
     cell = hn::Add(cell, hn::IfThenElseZero(rays, step));
     passed = hn::Add(passed, hn::IfThenElseZero(rays, set(1.)));
     const Doubles before = next;
@@ -213,8 +212,10 @@ void CrossBlock(const SurfaceRecord& record, const BlockPlanes& planes, std::spa
           from[a] = place(t0);
           part[a] = hn::Sub(place(tOut), from[a]);
         }
-        const auto vertex = hn::ConvertTo(di,
-          hn::Add(axes[0].cell, hn::Add(hn::Mul(set(5.), axes[1].cell), hn::Mul(set(25.), axes[2].cell))));
+        // Rays that are through the block have left it.
+        const Doubles place =
+          hn::Add(axes[0].cell, hn::Add(hn::Mul(set(5.), axes[1].cell), hn::Mul(set(25.), axes[2].cell)));
+        const auto vertex = hn::ConvertTo(di, hn::IfThenElseZero(crossed, place));
         CornerValues values;
         for (int corner = 0; corner < 8; ++corner)
         {
