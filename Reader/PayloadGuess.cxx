@@ -67,7 +67,7 @@ std::string DoubleGuess::objection() const
   }
   else if (largest_ < double(Float::min()) || largest_ > double(Float::max()))
   {
-    text << "go up to " << largest_ << ", which is beyond single precision";
+    text << "go up to " << largest_ << ", which single precision does not hold";
   }
   else if (leastExponent_ == greatestExponent_)
   {

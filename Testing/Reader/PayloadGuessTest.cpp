@@ -52,12 +52,12 @@ TEST(PayloadGuessTest, IntegersAndPointersDoNot)
 {
   using Int = std::int64_t;
   EXPECT_OBJECTION("are all 0", objectionTo(9, [](int) { return Int(0); }));
-  EXPECT_OBJECTION("beyond single precision", objectionTo(1000, [](int i) { return Int(i); }));
-  EXPECT_OBJECTION("beyond single precision", objectionTo(1000, [](int i) { return Int(i) << 40; }));
+  EXPECT_OBJECTION("single precision does not hold", objectionTo(1000, [](int i) { return Int(i); }));
+  EXPECT_OBJECTION("single precision does not hold", objectionTo(1000, [](int i) { return Int(i) << 40; }));
   EXPECT_OBJECTION("not finite in 500 of 1000", objectionTo(1000, [](int i) { return Int(i) - 500; }));
   EXPECT_OBJECTION(
-    "beyond single precision", objectionTo(9, [](int i) { return Int(0x7ffd12345670) + 48 * i; }));
-  EXPECT_OBJECTION("beyond single precision",
+    "single precision does not hold", objectionTo(9, [](int i) { return Int(0x7ffd12345670) + 48 * i; }));
+  EXPECT_OBJECTION("single precision does not hold",
     objectionTo(9, [](int i) { return Int(1700000000000000000) + 1000003 * i; })); // nanoseconds since 1970
   std::mt19937_64 random(2);
   EXPECT_NE(objectionTo(1000, [&](int) { return random(); }), "") << "hashes";
@@ -72,9 +72,11 @@ TEST(PayloadGuessTest, PairsDoNot)
     std::int32_t rank;
     float rho;
   };
-  EXPECT_OBJECTION("beyond single precision", objectionTo(1000, [](int i) { return Ints{ i, i % 7 }; }));
+  EXPECT_OBJECTION("single precision does not hold", objectionTo(1000, [](int i) {
+    return Ints{ i, i % 7 };
+  }));
   EXPECT_OBJECTION("not finite", objectionTo(1000, [](int i) { return Ints{ i, -i }; }));
-  EXPECT_OBJECTION("beyond single precision", objectionTo(1000, [](int i) {
+  EXPECT_OBJECTION("single precision does not hold", objectionTo(1000, [](int i) {
     return Ints{ 3, 1000000 + i };
   }));
   for (const float scale : { 1.f, -1e-6f, 1e9f })
@@ -102,7 +104,7 @@ TEST(PayloadGuessTest, DoublesInDoubtDoNot)
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_OBJECTION("are not finite in 1 of 100 cells",
     objectionTo(100, [=](int i) { return i == 50 ? nan : std::sin(double(i)); }));
-  EXPECT_OBJECTION("go up to 1.79769e+308, which is beyond single precision",
+  EXPECT_OBJECTION("go up to 1.79769e+308, which single precision does not hold",
     objectionTo(100, [](int i) { return i == 50 ? std::numeric_limits<double>::max() : 0.1 * i; }));
 }
 
