@@ -3,6 +3,7 @@
 
 #include "CategoryNumbers.h"
 
+#include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkMath.h"
 
@@ -244,6 +245,23 @@ vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
     vertex = tree.child(vertex, octant);
   }
   return tree.tree->GetGlobalIndexFromLocal(vertex);
+}
+
+std::string messageOfMissingArray(vtkHyperTreeGrid& grid, const std::string& name)
+{
+  std::string names;
+  vtkCellData* cells = grid.GetCellData();
+  for (int i = 0; i < cells->GetNumberOfArrays(); ++i)
+  {
+    vtkDataArray* array = cells->GetArray(i); // null when it is not of numbers
+    if (array && array->GetName())
+    {
+      names += (names.empty() ? "'" : ", '") + std::string(array->GetName()) + "'";
+    }
+  }
+  return "hyper tree grid: cell array '" + name + "' does not exist; there are: " +
+    (names.empty() ? "none; give the cells an array of numbers (a forest: by its reader's Payload)"
+                   : names + "; select one of them");
 }
 
 void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])

@@ -63,6 +63,9 @@ VTKTREEAMRREADER_EXPORT std::shared_ptr<const Categories> acquireCategories(
 /// acquireField() for the grid.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Octree> acquireOctree(vtkHyperTreeGrid* grid);
 
+/// What to say of a cell array that does not exist: those there are, and what to do.
+VTKTREEAMRREADER_EXPORT std::string messageOfMissingArray(vtkHyperTreeGrid& grid, const std::string& name);
+
 /// The place in the cell arrays of the values of a cell, leaf or coarse, of a grid that acquireField() takes. Throws
 /// Error when the grid has no such cell. Safe from several threads while none changes the grid.
 VTKTREEAMRREADER_EXPORT vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell);

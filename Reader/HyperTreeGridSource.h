@@ -25,12 +25,12 @@ public:
   CellValues(vtkHyperTreeGrid& grid, const ArraySelection& selection, vtkIdType indexEnd)
   {
     vtkCellData* cells = grid.GetCellData();
-    const std::string name = "hyper tree grid: cell array '" + selection.name + "' ";
     vtkAbstractArray* found = cells->GetAbstractArray(selection.name.c_str());
     if (!found)
     {
-      throw Error(name + "does not exist; there are: " + numericArrayNames(*cells));
+      throw Error(messageOfMissingArray(grid, selection.name));
     }
+    const std::string name = "hyper tree grid: cell array '" + selection.name + "' ";
     array_ = vtkDataArray::SafeDownCast(found);
     if (!array_)
     {
@@ -100,20 +100,6 @@ public:
   };
 
 private:
-  static std::string numericArrayNames(vtkCellData& cells)
-  {
-    std::string names;
-    for (int i = 0; i < cells.GetNumberOfArrays(); ++i)
-    {
-      vtkDataArray* array = cells.GetArray(i);
-      if (array && array->GetName())
-      {
-        names += (names.empty() ? "'" : ", '") + std::string(array->GetName()) + "'";
-      }
-    }
-    return names.empty() ? "none" : names;
-  }
-
   vtkDataArray* array_ = nullptr;
   const double* doubles_ = nullptr; // the array's memory when it is of this type
   const float* floats_ = nullptr;

@@ -96,8 +96,7 @@ std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int ac
       }
       if (!grid->GetCellData()->HasArray(name.c_str()))
       {
-        throw Error(
-          "hyper tree grid: no cell array is called '" + name + "', there are " + listOfArrays(grid));
+        throw Error(messageOfMissingArray(*grid, name));
       }
       return name;
     }

@@ -481,7 +481,7 @@ TEST(ConverterError, NamesBadCoordinates)
 TEST(ConverterError, NamesTheArray)
 {
   const auto grid = makeGrid({});
-  expectError(grid, "'density' does not exist; there are: 'scalar', 'vector', 'count'", { "density" });
+  expectError(grid, "'density' does not exist; there are: 'scalar', 'vector', 'count'; select one of them", { "density" });
   expectError(grid, "'' does not exist", { "" });
   expectError(grid, "'vector' has no component 3, allowed are 0 to 2", { "vector", 3 });
 
@@ -497,7 +497,7 @@ TEST(ConverterError, NamesTheArray)
     grid, "'scalar' has " + std::to_string(count - 1) + " tuples, the cells need " + std::to_string(count));
 
   grid->GetCellData()->Initialize();
-  expectError(grid, "there are: none");
+  expectError(grid, "there are: none; give the cells an array of numbers (a forest: by its reader's Payload)");
 }
 
 TEST(ConverterError, SaysWhyNothingIsLeft)
