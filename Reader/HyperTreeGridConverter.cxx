@@ -9,8 +9,12 @@
 
 #include <oneapi/tbb/task_arena.h>
 
+#include <array>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
+#include <sstream>
 
 namespace treeamr
 {
@@ -38,8 +42,11 @@ public:
   std::shared_ptr<const Field> acquireField(
     HyperTreeGridTopology& topology, const CellValues& values, bool withNodeRanges)
   {
-    return acquire(fields_, topology, values, withNodeRanges,
-      [&](const ContentDigest& octreeKey) { return build(topology, octreeKey, values); });
+    return acquire(fields_, topology, values, withNodeRanges, [&](const ContentDigest& octreeKey) {
+      Field field = build(topology, octreeKey, values);
+      checkDigits(field, values);
+      return field;
+    });
   }
 
   std::shared_ptr<const Categories> acquireCategories(
@@ -124,6 +131,28 @@ private:
         std::string(values.array().GetName()) + "'");
     }
     return octreeKey;
+  }
+
+  /// Of doubles below the normal numbers of float little or nothing is left.
+  static void checkDigits(const Field& field, const CellValues& values)
+  {
+    constexpr float least = std::numeric_limits<float>::min();
+    if (values.array().GetDataType() != VTK_DOUBLE || field.range().min <= -least ||
+      field.range().max >= least)
+    {
+      return;
+    }
+    std::array<double, 2> range{};
+    values.array().GetFiniteRange(range.data(), values.component());
+    const double largest = std::max(std::abs(range[0]), std::abs(range[1]));
+    if (largest > 0. && largest < least)
+    {
+      std::ostringstream message;
+      message << "hyper tree grid: the values of array '" << values.array().GetName() << "' are at most "
+              << largest << "; allowed are " << least
+              << " and more, the range of single precision: multiply them by a constant";
+      throw Error(message.str());
+    }
   }
 
   static void checkCells(const HyperTreeGridTopology& topology)

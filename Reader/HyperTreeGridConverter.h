@@ -38,7 +38,8 @@ struct ArraySelection
 /// Throws Error when the grid is null, has no tree or no drawable cell, is not three-dimensional, has a
 /// branch factor other than 2 or material interfaces, when its coordinates along an axis are not finite or
 /// neither strictly increase nor strictly decrease (a mirrored grid), when it is too deep for RootGrid, and when
-/// the array does not exist, is not numeric, is too short or has no such component.
+/// the array does not exist, is not numeric, is too short, has no such component or has doubles all below the
+/// normal numbers of float, 1.2e-38.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
 

@@ -15,6 +15,7 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
+#include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkIdList.h"
 #include "vtkMath.h"
@@ -92,11 +93,14 @@ TEST(ContourFilter, NormalsHaveLengthOneForValuesAndCellsOfAnySize)
 {
   const auto normalsOf = [](int value, const std::array<int, 3>& width, double offset) {
     const auto grid = makeGrid({ .roots = { 2, 2, 2 } });
-    auto* scalar = vtkDoubleArray::SafeDownCast(grid->GetCellData()->GetArray("scalar"));
-    for (vtkIdType i = 0; i < scalar->GetNumberOfValues(); ++i)
+    vtkDataArray* unscaled = grid->GetCellData()->GetArray("scalar");
+    vtkNew<vtkFloatArray> scalar;
+    scalar->SetName("scalar");
+    for (vtkIdType i = 0; i < unscaled->GetNumberOfTuples(); ++i)
     {
-      scalar->SetValue(i, std::ldexp(scalar->GetValue(i) + offset, value));
+      scalar->InsertNextValue(static_cast<float>(std::ldexp(unscaled->GetTuple1(i) + offset, value)));
     }
+    grid->GetCellData()->AddArray(scalar);
     const std::array<vtkDataArray*, 3> planes{ grid->GetXCoordinates(), grid->GetYCoordinates(),
       grid->GetZCoordinates() };
     for (int a = 0; a < 3; ++a)

@@ -500,6 +500,19 @@ TEST(ConverterError, NamesTheArray)
   expectError(grid, "there are: none; give the cells an array of numbers (a forest: by its reader's Payload)");
 }
 
+TEST(ConverterError, NamesDoublesBelowTheRangeOfFloat)
+{
+  const auto grid = makeGrid({});
+  scalarOf(grid)->FillValue(-1e-45);
+  expectError(grid, "the values of array 'scalar' are at most 1e-45; allowed are 1.17549e-38 and more");
+  scalarOf(grid)->SetValue(0, 1.); // which single precision holds
+  scalarOf(grid)->Modified();
+  EXPECT_EQ(errorOf(grid), "no error");
+  scalarOf(grid)->FillValue(0.);
+  scalarOf(grid)->Modified();
+  EXPECT_EQ(errorOf(grid), "no error");
+}
+
 TEST(ConverterError, SaysWhyNothingIsLeft)
 {
   const auto masked = makeGrid({});
