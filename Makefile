@@ -14,11 +14,13 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build setup demo check check-sanitizers bench bench-vs report report-brief install clean
+.PHONY: build configure setup demo check check-sanitizers bench bench-vs report report-brief install clean
 
-build: setup
-	cmake --preset release
+build: configure
 	cmake --build $(BUILD)
+
+configure: setup
+	cmake --preset release
 
 # Does nothing, and asks for no rights, when every package is there.
 setup:
@@ -33,7 +35,8 @@ setup:
 	  $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $$missing; \
 	fi
 
-demo: build
+demo: configure
+	cmake --build $(BUILD) --target demo
 	mkdir -p $(BUILD)/demo
 	$(BUILD)/bin/treeamr-demo-forest $(BUILD)/demo/mandelbulb.p8est
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py $(BUILD)/demo/mandelbulb.p8est
@@ -97,7 +100,8 @@ report-brief: build $(BENCH)/mandelbulb-0.3M.p8est
 	$(MEASURE_CASES)
 	$(PYTHON) Testing/Report/report.py $(REPORT) --check
 
-install: build
+install: configure
+	cmake --build $(BUILD) --target product
 	cmake --install $(BUILD) --prefix $(PREFIX)
 
 clean:

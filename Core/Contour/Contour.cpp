@@ -449,11 +449,16 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
   auto lines = concatenated(parts, &ContourPart::lines);
   const auto values = concatenated(parts, &ContourPart::values);
   closeTransitions(field.octree().grid(), octantDepth(field.octree()), lines, values, mesh);
+  mesh.octree = field.octree().identity();
   return goesOn(1.) ? std::move(mesh) : ContourMesh{};
 }
 
 std::vector<float> interpolate(const Field& field, const ContourMesh& mesh)
 {
+  if (!mesh.points.empty() && mesh.octree != field.octree().identity())
+  {
+    throw Error("contour: values for a mesh of another octree than the field's");
+  }
   std::vector<float> values(mesh.points.size());
   tbb::enumerable_thread_specific<BlockInterpolation> interpolations(
     [&field] { return BlockInterpolation(field); });

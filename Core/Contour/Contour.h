@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace treeamr
@@ -31,6 +32,7 @@ struct ContourMesh
   std::vector<std::array<std::int64_t, 3>> triangles; // of points
   std::vector<std::array<double, 3>> gradients;       // at the points, per world coordinate; only on request
   std::vector<Block> blocks;                          // what interpolate() starts from
+  std::optional<Identity> octree;                     // whose nodes the blocks are
 };
 
 struct ContourOptions
@@ -49,7 +51,7 @@ struct ContourOptions
 /// and when the field has no node ranges.
 ContourMesh contour(const Field& field, double isovalue, const ContourOptions& options = {});
 
-/// A field's values at the points of a mesh that was made on the same octree.
+/// A field's values at the points of a mesh that contour() made on the same octree. Throws Error for another one.
 std::vector<float> interpolate(const Field& field, const ContourMesh& mesh);
 
 } // namespace treeamr

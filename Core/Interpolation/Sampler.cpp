@@ -245,6 +245,7 @@ private:
 
 std::unique_ptr<Sampler> Sampler::create(InterpolationMethod method, std::shared_ptr<const Field> field)
 {
+  required(field, "sampler");
   switch (method)
   {
     case InterpolationMethod::Nearest:

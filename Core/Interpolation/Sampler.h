@@ -39,6 +39,7 @@ public:
   /// Safe from several threads.
   virtual bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const = 0;
 
+  /// Throws Error without a field.
   static std::unique_ptr<Sampler> create(InterpolationMethod method, std::shared_ptr<const Field> field);
 };
 

@@ -19,6 +19,11 @@ Field::Field(std::shared_ptr<const Octree> octree, std::vector<float> values)
   : octree_(std::move(octree))
   , values_(std::move(values))
 {
+  if (!octree_)
+  {
+    throw Error("field: no octree, needed is the one whose leaves have the " +
+      std::to_string(values_.size()) + " values");
+  }
   if (values_.size() != octree_->leafCount())
   {
     throw Error("field: " + std::to_string(values_.size()) + " values for " +
@@ -154,6 +159,15 @@ std::size_t Field::byteSize() const noexcept
 {
   return (values_.capacity() + means_.capacity()) * sizeof(float) +
     rangeCodes_.capacity() * sizeof(RangeCode);
+}
+
+const Field& required(const std::shared_ptr<const Field>& field, const char* user)
+{
+  if (!field)
+  {
+    throw Error(std::string(user) + ": no field (a null pointer)");
+  }
+  return *field;
 }
 
 } // namespace treeamr

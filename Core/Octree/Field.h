@@ -14,9 +14,11 @@ class Field
 {
 public:
   /// values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
-  /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume.
+  /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume. Throws Error, also
+  /// without an octree and for another number of values.
   Field(std::shared_ptr<const Octree> octree, std::vector<float> values);
 
+  const Identity& identity() const noexcept { return identity_; }
   const Octree& octree() const noexcept { return *octree_; }
   const std::shared_ptr<const Octree>& sharedOctree() const noexcept { return octree_; }
 
@@ -52,6 +54,7 @@ private:
   /// exact[n]: of the inner node n, within those of its ancestors and range().
   void encodeNodeRanges(std::vector<Range> exact);
 
+  Identity identity_;
   std::shared_ptr<const Octree> octree_;
   std::vector<float> values_;
   std::vector<float> means_;
@@ -60,5 +63,8 @@ private:
   std::vector<RangeCode> rangeCodes_;
   Range range_{ 0.f, 0.f };
 };
+
+/// The field that `user` (who it is for, in the message) was given. Throws Error for a null pointer.
+const Field& required(const std::shared_ptr<const Field>& field, const char* user);
 
 } // namespace treeamr

@@ -6,6 +6,7 @@
 // level from its root tree (depth = RootGrid::paddingDepth() + level). Nothing is stored for the padding.
 #pragma once
 
+#include "Identity.h"
 #include "Octree/ChildTable.h"
 #include "Octree/RootGrid.h"
 
@@ -23,6 +24,7 @@ public:
   using Table = ChildTable<std::uint16_t, 12>;
 
   const RootGrid& grid() const noexcept { return grid_; }
+  const Identity& identity() const noexcept { return identity_; }
   std::uint64_t leafCount() const noexcept { return leafCount_; }
   std::uint64_t innerCount() const noexcept { return table_.size(); }
   /// Deepest leaf's level; 0 when every root is a leaf.
@@ -62,6 +64,7 @@ private:
   }
   friend class OctreeAssembler;
 
+  Identity identity_;
   RootGrid grid_;
   Table table_;
   std::vector<std::uint64_t> firstInner_{ 0 }; // by depth, and the end

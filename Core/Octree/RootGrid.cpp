@@ -48,9 +48,18 @@ RootGrid::RootGrid(std::array<std::vector<double>, 3> planes)
 RootGrid RootGrid::uniform(
   std::array<int, 3> roots, std::array<double, 3> origin, std::array<double, 3> rootSize)
 {
+  for (int a = 0; a < 3; ++a)
+  {
+    if (roots[a] < 1 || roots[a] > maxRootsPerAxis)
+    {
+      throw Error("root grid: " + std::to_string(roots[a]) + " roots along " + "xyz"[a] +
+        ", allowed are 1 to " + std::to_string(maxRootsPerAxis));
+    }
+  }
   std::array<std::vector<double>, 3> planes;
   for (int a = 0; a < 3; ++a)
   {
+    planes[a].reserve(static_cast<std::size_t>(roots[a]) + 1);
     for (int i = 0; i <= roots[a]; ++i)
     {
       planes[a].push_back(origin[a] + i * rootSize[a]);

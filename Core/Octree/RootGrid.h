@@ -34,7 +34,8 @@ public:
   /// planes[a] holds the N_a + 1 strictly increasing, finite world coordinates of the root planes of axis a.
   /// Throws Error otherwise.
   explicit RootGrid(std::array<std::vector<double>, 3> planes);
-  /// roots[0] x roots[1] x roots[2] equal boxes of the given size.
+  /// roots[0] x roots[1] x roots[2] equal boxes of the given size. Throws Error for numbers of roots and sizes
+  /// that no planes could have.
   static RootGrid uniform(
     std::array<int, 3> roots, std::array<double, 3> origin, std::array<double, 3> rootSize);
 

@@ -61,13 +61,12 @@ std::vector<double> checked(std::vector<double> isovalues)
   return isovalues;
 }
 
-const Field& withRanges(const std::shared_ptr<const Field>& field)
+void checkRanges(const Field& field)
 {
-  if (!field->hasNodeRanges())
+  if (!field.hasNodeRanges())
   {
     throw Error("isosurface: the field has no node ranges to find the surface by");
   }
-  return *field;
 }
 
 /// True only for pixels whose ray passes the box at a distance: cheaper than to make the ray.
@@ -588,11 +587,26 @@ struct Isosurface::Impl
   }
 };
 
+void checkPixels(const HitImage& hits, const Camera& camera, const char* user)
+{
+  const std::size_t needed = static_cast<std::size_t>(camera.width()) * camera.height() + 1;
+  if (hits.first.size() != needed)
+  {
+    throw Error(std::string(user) + ": surface hits in " + std::to_string(hits.first.size()) +
+      " entries by pixel, needed are " + std::to_string(needed));
+  }
+  if (hits.first.back() != hits.hits.size())
+  {
+    throw Error(std::string(user) + ": " + std::to_string(hits.hits.size()) +
+      " surface hits, where the entries by pixel end at " + std::to_string(hits.first.back()));
+  }
+}
+
 Isosurface::Isosurface(
   std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes)
 {
   isovalues = checked(std::move(isovalues));
-  withRanges(field);
+  checkRanges(required(field, "isosurface"));
   const auto start = std::chrono::steady_clock::now();
   impl_ = std::make_unique<Impl>(std::move(field), std::move(isovalues), keptBytes);
   impl_->statistics.extractionSeconds = seconds(start);

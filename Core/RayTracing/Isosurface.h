@@ -35,6 +35,9 @@ struct HitImage
   std::vector<SurfaceHit> hits;
 };
 
+/// Throws Error, on behalf of `user`, when the hits are not those of a picture of the camera's size.
+void checkPixels(const HitImage& hits, const Camera& camera, const char* user);
+
 enum class SurfaceLayers
 {
   Nearest, // one hit per pixel at most
@@ -59,7 +62,7 @@ public:
 
   /// Finds the nodes with octants that the surfaces of the isovalues pass through and builds Embree's hierarchy
   /// over them. Vertex values are kept within keptBytes, and computed where rays come when not all fit. The field
-  /// needs its node ranges. Throws Error without isovalues, for one that is not finite, or when Embree fails.
+  /// needs its node ranges. Throws Error without a field or isovalues, for one that is not finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
     std::size_t keptBytes = defaultKeptBytes);
   ~Isosurface();

@@ -1,5 +1,6 @@
 #include "RayTracing/OcclusionFilter.h"
 
+#include "Error.h"
 #include "RayTracing/SurfaceFrame.h"
 
 #include <oneapi/tbb/blocked_range2d.h>
@@ -10,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 namespace treeamr
@@ -220,6 +222,13 @@ private:
 std::vector<float> filterAmbientOcclusion(
   const Camera& camera, const HitImage& hits, const std::vector<std::uint16_t>& open, int samples)
 {
+  checkPixels(hits, camera, "ambient occlusion");
+  if (open.size() != hits.hits.size() || samples < 1)
+  {
+    throw Error("ambient occlusion: " + std::to_string(open.size()) + " counts of " +
+      std::to_string(samples) + " rays for " + std::to_string(hits.hits.size()) +
+      " hits, allowed is one for each, of 1 ray or more");
+  }
   std::vector<float> filtered(hits.hits.size());
   tbb::enumerable_thread_specific<TileFilter> workers(
     [&] { return TileFilter(camera, hits, open, samples); });

@@ -17,7 +17,8 @@ namespace treeamr
 /// whose distance from the camera is nearest to the own. A hit without such neighbours, and one without a finite
 /// place, keeps its own part. With more rays the neighbours must be more alike and change less: the result
 /// converges to the own part.
-/// open: of each hit's `samples` rays (at least 1), how many meet nothing.
+/// open: of each hit's `samples` rays (at least 1), how many meet nothing. Throws Error for other numbers of both,
+/// and for hits of another picture than the camera's.
 std::vector<float> filterAmbientOcclusion(
   const Camera& camera, const HitImage& hits, const std::vector<std::uint16_t>& open, int samples);
 

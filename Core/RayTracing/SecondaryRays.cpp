@@ -1,5 +1,6 @@
 #include "RayTracing/SecondaryRays.h"
 
+#include "Error.h"
 #include "RayTracing/SurfaceFrame.h"
 
 #include <oneapi/tbb/blocked_range2d.h>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 namespace treeamr
 {
@@ -24,6 +26,7 @@ constexpr double startOffset = 1e-3;
 template <class Body>
 void forEachHit(const Camera& camera, const HitImage& hits, const Body& body)
 {
+  checkPixels(hits, camera, "secondary rays");
   constexpr int tile = 16;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, camera.height(), tile, 0, camera.width(), tile),
     [&](const tbb::blocked_range2d<int>& range) {
@@ -106,6 +109,11 @@ std::array<Vec3, 2> tangents(const Vec3& n) noexcept
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
   double radius, int first, int end, std::vector<std::uint16_t>& open)
 {
+  if (open.size() != hits.hits.size())
+  {
+    throw Error("ambient occlusion: " + std::to_string(open.size()) + " counts of open rays for " +
+      std::to_string(hits.hits.size()) + " hits");
+  }
   const SurfaceFrame frame(camera.worldFromData());
   forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);

@@ -17,7 +17,7 @@ namespace treeamr
 /// Directions are distributed by their cosine with the normal, so the part of open rays is what arrives of an
 /// even light from all sides. They depend on pixel and number alone: rays in portions are the same rays. Pixels
 /// near each other have directions that complete each other, for filterAmbientOcclusion().
-/// open: one entry for each hit.
+/// open: one entry for each hit, else throws Error.
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
   double radius, int first, int end, std::vector<std::uint16_t>& open);
 

@@ -1,8 +1,10 @@
 #include "RayTracing/VertexCache.h"
 
+#include "Error.h"
 #include "Interpolation/BlockKernel.h"
 
 #include <new>
+#include <string>
 
 namespace treeamr
 {
@@ -13,9 +15,25 @@ BlockRecord::BlockRecord(const BlockValues& block) noexcept
 }
 
 VertexCache::VertexCache(const Octree& octree, std::size_t budgetBytes)
-  : slots_(budgetBytes < octree.innerCount() * sizeof(slots_[0]) + sizeof(Chunk) ? 0 : octree.innerCount())
+  : octree_(octree.identity())
+  , slots_(budgetBytes < octree.innerCount() * sizeof(slots_[0]) + sizeof(Chunk) ? 0 : octree.innerCount())
   , pool_(slots_.size(), budgetBytes - slots_.size() * sizeof(slots_[0]))
 {
+}
+
+void VertexCache::startFrame(const Field& field)
+{
+  if (octree_ != field.octree().identity())
+  {
+    throw Error("vertex cache: made for another octree than that of the field, which has " +
+      std::to_string(field.octree().innerCount()) + " inner nodes");
+  }
+  if (field_.value_or(field.identity()) != field.identity())
+  {
+    throw Error(
+      "vertex cache: holds values of another field on the same octree, allowed is one field for each");
+  }
+  field_ = field.identity();
 }
 
 void VertexCache::prepareMeans()

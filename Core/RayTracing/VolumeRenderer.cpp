@@ -51,11 +51,9 @@ void check(const Field& field, const TransferFunction& transferFunction, const C
   {
     throw Error("volume: the field has no node ranges to skip by");
   }
-  const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
-  if (surfaces && surfaces->image.first.size() != pixels + 1)
+  if (surfaces)
   {
-    throw Error("volume: surface hits in " + std::to_string(surfaces->image.first.size()) +
-      " entries by pixel, needed are " + std::to_string(pixels + 1));
+    checkPixels(surfaces->image, camera, "volume");
   }
   if (surfaces && surfaces->rgba.size() != surfaces->image.hits.size())
   {
@@ -320,6 +318,7 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
 {
   check(camera, image);
   check(field, transferFunction, camera, settings, surfaces);
+  kept.startFrame(field);
   VolumeKernelScene scene =
     makeScene(field, transferFunction, camera, interval, settings, kept, &image, surfaces);
   if (!fitsKernel(field, transferFunction) || !resolves(scene))
@@ -361,6 +360,7 @@ void renderPixelGroups(const Field& field, const TransferFunction& transferFunct
 {
   check(field, transferFunction, camera, settings, surfaces);
   check(camera, groups, rgba);
+  kept.startFrame(field);
   VolumeKernelScene scene =
     makeScene(field, transferFunction, camera, interval, settings, kept, nullptr, surfaces);
   if (!fitsKernel(field, transferFunction) || !resolves(scene))

@@ -82,8 +82,8 @@ struct VolumeStatistics
 /// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds
 /// what the next frame need not compute again. Between surfaces (null: none) the volume is integrated from hit to
 /// hit, with no sample across one. The field needs its node ranges if settings.skipEmpty. Throws Error when the
-/// image's size or that of the hits is not the camera's, the settings are not finite and positive or a value is
-/// none of the transfer function's categories.
+/// image's size or that of the hits is not the camera's, `kept` is another field's, the settings are not finite and
+/// positive or a value is none of the transfer function's categories.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, VertexCache& kept,
   Image& image, const TranslucentHits* surfaces = nullptr);

@@ -1,0 +1,143 @@
+// Arguments that do not belong together, or to nothing: each throws Error before anything is allocated for it or read.
+#include "Contour/Contour.h"
+#include "Error.h"
+#include "Interpolation/Sampler.h"
+#include "RayTracing/OcclusionFilter.h"
+#include "RayTracing/SecondaryRays.h"
+#include "RayTracing/VertexCache.h"
+#include "RayTracing/VolumeRenderer.h"
+#include "Support/AllocationCounter.h"
+#include "Support/Cameras.h"
+#include "Support/ExactScene.h"
+
+#include <gtest/gtest.h>
+
+#include <climits>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+std::shared_ptr<Field> wavesIn(const std::shared_ptr<const Octree>& octree, float offset)
+{
+  std::vector<float> values(octree->leafCount());
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    values[i] = offset + 0.1f * static_cast<float>(i % 7);
+  }
+  auto field = std::make_shared<Field>(octree, std::move(values));
+  field->computeNodeRanges();
+  return field;
+}
+
+std::shared_ptr<const Octree> randomOctree(std::uint32_t seed)
+{
+  RandomTree options;
+  options.seed = seed;
+  options.roots = { 2, 2, 2 };
+  options.levels = 3;
+  return buildOctree(
+    RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options))
+    .octree;
+}
+
+Camera smallCamera()
+{
+  return Camera(
+    multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 16, 16);
+}
+
+const TransferFunction fog(0., 1., { { 1.f, 1.f, 1.f, 1.f }, { 1.f, 1.f, 1.f, 1.f } });
+
+} // namespace
+
+TEST(Arguments, NumbersOfRootsAreRefusedBeforeTheirPlanesAreMade)
+{
+  for (const std::array<int, 3>& roots : { std::array{ 2000000000, 1, 1 }, { 1, INT_MAX, 1 },
+         { 1, 1, (1 << 24) + 1 }, { 0, 1, 1 }, { 1, -1, 1 }, { 1, 1, INT_MIN } })
+  {
+    const std::size_t peak = peakBytes([&] {
+      EXPECT_THROW(RootGrid::uniform(roots, { 0., 0., 0. }, { 1., 1., 1. }), Error)
+        << roots[0] << ' ' << roots[1] << ' ' << roots[2];
+    });
+    EXPECT_LT(peak, 100000u);
+  }
+  EXPECT_EQ(RootGrid::uniform({ 1 << 24, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }).paddingDepth(), 24);
+}
+
+TEST(Arguments, NullPointersAreRefused)
+{
+  EXPECT_THROW(Field(nullptr, {}), Error);
+  EXPECT_THROW(Field(nullptr, { 1.f }), Error);
+  EXPECT_THROW(Isosurface(nullptr, { 0.5 }), Error);
+  for (const auto method : { InterpolationMethod::Nearest, InterpolationMethod::GTI })
+  {
+    EXPECT_THROW(Sampler::create(method, nullptr), Error);
+  }
+}
+
+TEST(Arguments, ACacheServesOneField)
+{
+  const auto octree = randomOctree(1);
+  const auto field = wavesIn(octree, 0.f);
+  const Camera camera = smallCamera();
+  Image image(16, 16);
+  VertexCache kept(*octree, VolumeSettings::defaultKeptBytes);
+  renderVolume(*field, fog, camera, {}, {}, kept, image);
+  const std::vector<float> right(image.rgba.begin(), image.rgba.end());
+  const Field copy(*field);
+  renderVolume(copy, fog, camera, {}, {}, kept, image); // the same values
+
+  const PixelGroup group{ 8, 8 };
+  std::vector<float> rgba(PixelGroup::rgbaSize);
+  for (const auto& other : { wavesIn(octree, 1.f), wavesIn(randomOctree(2), 0.f) })
+  {
+    EXPECT_THROW(renderVolume(*other, fog, camera, {}, {}, kept, image), Error);
+    EXPECT_THROW(renderPixelGroups(*other, fog, camera, {}, {}, kept, { &group, 1 }, rgba), Error);
+  }
+  VertexCache unused(*randomOctree(2), VolumeSettings::defaultKeptBytes);
+  EXPECT_THROW(renderVolume(*field, fog, camera, {}, {}, unused, image), Error);
+  renderVolume(*field, fog, camera, {}, {}, kept, image);
+  EXPECT_TRUE(std::equal(right.begin(), right.end(), image.rgba.begin()));
+}
+
+TEST(Arguments, AMeshIsInterpolatedOnItsOwnOctree)
+{
+  const auto octree = randomOctree(1);
+  const ContourMesh mesh = contour(*wavesIn(octree, 0.f), 0.3);
+  ASSERT_FALSE(mesh.points.empty());
+  EXPECT_EQ(interpolate(*wavesIn(octree, 1.f), mesh).size(), mesh.points.size());
+  EXPECT_THROW(interpolate(*wavesIn(randomOctree(2), 0.f), mesh), Error);
+}
+
+TEST(Arguments, HitsFitTheirPicture)
+{
+  const Isosurface surface(wavesIn(randomOctree(1), 0.f), { 0.3 });
+  const Camera camera = smallCamera();
+  HitImage hits;
+  surface.render(camera, SurfaceLayers::Nearest, hits);
+  ASSERT_FALSE(hits.hits.empty());
+  const std::vector<std::uint16_t> open(hits.hits.size());
+  std::vector<std::uint16_t> tooFew(hits.hits.size() - 1);
+  std::vector<std::uint8_t> lit;
+  EXPECT_NO_THROW(filterAmbientOcclusion(camera, hits, open, 1));
+  EXPECT_THROW(filterAmbientOcclusion(camera, hits, open, 0), Error);
+  EXPECT_THROW(filterAmbientOcclusion(camera, hits, tooFew, 1), Error);
+  EXPECT_THROW(traceAmbientOcclusion(surface, camera, hits, 1., 0, 1, tooFew), Error);
+
+  const auto expectRefused = [&](const HitImage& bad) {
+    std::vector<std::uint16_t> counts(bad.hits.size());
+    EXPECT_THROW(filterAmbientOcclusion(camera, bad, counts, 1), Error);
+    EXPECT_THROW(traceAmbientOcclusion(surface, camera, bad, 1., 0, 1, counts), Error);
+    EXPECT_THROW(traceShadows(surface, camera, bad, { Light() }, lit), Error);
+  };
+  HitImage otherSize = hits;
+  otherSize.first.pop_back();
+  expectRefused(otherSize);
+  HitImage lost = hits;
+  lost.hits.pop_back();
+  expectRefused(lost);
+  expectRefused({});
+}
