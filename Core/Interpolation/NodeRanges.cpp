@@ -17,7 +17,7 @@ namespace
 class RangeBuilder
 {
 public:
-  RangeBuilder(const Field& field, std::vector<Range>& ranges)
+  RangeBuilder(const Field& field, LargeVector<Range>& ranges)
     : field_(field)
     , ranges_(ranges)
     , serialDepth_(field.octree().grid().paddingDepth() + field.octree().leafLevels() - 3)
@@ -72,7 +72,7 @@ private:
   }
 
   const Field& field_;
-  std::vector<Range>& ranges_;
+  LargeVector<Range>& ranges_;
   int serialDepth_;
   // Whose kept values name their nodes: a thread that waits in one subtree may work in another.
   tbb::enumerable_thread_specific<BlockEvaluator> evaluators_;
@@ -82,7 +82,7 @@ private:
 
 void Field::computeNodeRanges()
 {
-  std::vector<Range> exact(octree_->innerCount());
+  LargeVector<Range> exact(octree_->innerCount());
   if (octree_->root().isInner())
   {
     BlockPath path;

@@ -5,13 +5,13 @@
 // 2^32 cells.
 #pragma once
 
+#include "LargeArray.h"
 #include "Octree/NodeRef.h"
 #include "Prefetch.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace treeamr
 {
@@ -147,8 +147,8 @@ private:
     std::uint64_t leaf;
   };
 
-  std::vector<Node> nodes_;
-  std::vector<Base> bases_;
+  LargeVector<Node> nodes_;
+  LargeVector<Base> bases_;
 };
 
 } // namespace treeamr

@@ -15,7 +15,7 @@
 namespace treeamr
 {
 
-Field::Field(std::shared_ptr<const Octree> octree, std::vector<float> values)
+Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values)
   : octree_(std::move(octree))
   , values_(std::move(values))
 {
@@ -77,8 +77,8 @@ void Field::computeMeans()
   meanBase_ = range_.min > 0.f && range_.max < 2.f * range_.min ? range_.min
     : range_.max < 0.f && range_.min > 2.f * range_.max         ? range_.max
                                                                 : 0.;
-  std::vector<double> volumes;
-  std::vector<double> volumesBelow;
+  LargeVector<double> volumes;
+  LargeVector<double> volumesBelow;
   for (int depth = octree.innerDepths(); depth-- > 0;)
   {
     const std::uint64_t first = octree.firstInner(depth);
@@ -124,7 +124,7 @@ void Field::computeMeans()
   }
 }
 
-void Field::encodeNodeRanges(std::vector<Range> exact)
+void Field::encodeNodeRanges(LargeVector<Range> exact)
 {
   const Octree& octree = *octree_;
   rangeCodes_.resize(octree.innerCount());

@@ -5,7 +5,6 @@
 #include "Octree/RangeCode.h"
 
 #include <memory>
-#include <vector>
 
 namespace treeamr
 {
@@ -16,7 +15,13 @@ public:
   /// values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
   /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume. Throws Error, also
   /// without an octree and for another number of values.
-  Field(std::shared_ptr<const Octree> octree, std::vector<float> values);
+  Field(std::shared_ptr<const Octree> octree, LargeVector<float> values);
+  /// Copies them.
+  template <class Allocator>
+  Field(std::shared_ptr<const Octree> octree, const std::vector<float, Allocator>& values)
+    : Field(std::move(octree), LargeVector<float>(values.begin(), values.end()))
+  {
+  }
 
   const Identity& identity() const noexcept { return identity_; }
   const Octree& octree() const noexcept { return *octree_; }
@@ -27,9 +32,9 @@ public:
   {
     return node.isLeaf() ? values_[node.index()] : meanBase_ + means_[node.index()];
   }
-  const std::vector<float>& leafValues() const noexcept { return values_; }
+  const LargeVector<float>& leafValues() const noexcept { return values_; }
   /// The inner nodes' means less meanBase().
-  const std::vector<float>& innerMeans() const noexcept { return means_; }
+  const LargeVector<float>& innerMeans() const noexcept { return means_; }
   double meanBase() const noexcept { return meanBase_; }
 
   /// Hull of the leaves' values, which also bounds the reconstructed field; {0, 0} without cells.
@@ -52,15 +57,15 @@ private:
   void checkAndMeasureValues();
   void computeMeans();
   /// exact[n]: of the inner node n, within those of its ancestors and range().
-  void encodeNodeRanges(std::vector<Range> exact);
+  void encodeNodeRanges(LargeVector<Range> exact);
 
   Identity identity_;
   std::shared_ptr<const Octree> octree_;
-  std::vector<float> values_;
-  std::vector<float> means_;
+  LargeVector<float> values_;
+  LargeVector<float> means_;
   // Where the values' offset is larger than their range, means are rounded to the range's digits, not the offset's.
   double meanBase_ = 0.;
-  std::vector<RangeCode> rangeCodes_;
+  LargeVector<RangeCode> rangeCodes_;
   Range range_{ 0.f, 0.f };
 };
 

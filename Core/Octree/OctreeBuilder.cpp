@@ -70,7 +70,8 @@ private:
 };
 
 /// Throws for the first cell that is not allowed; returns the deepest level.
-int checkCells(const RootGrid& grid, const std::vector<LeafCell>& cells)
+template <class Cells>
+int checkCells(const RootGrid& grid, const Cells& cells)
 {
   const Parts parts(cells.size());
   std::vector<int> deepest(parts.size(), 0);
@@ -92,11 +93,11 @@ struct KeyedValue
 };
 
 template <class Record>
-void sortByKey(std::unique_ptr<Record[]>& records, std::size_t count)
+void sortByKey(LargeArray<Record>& records, std::size_t count)
 {
   if constexpr (std::unsigned_integral<decltype(Record::key)>)
   {
-    const auto scratch = std::make_unique_for_overwrite<Record[]>(count);
+    const auto scratch = makeLargeArray<Record>(count);
     RadixSort<Record>::sort(records.get(), scratch.get(), count);
   }
   else
@@ -114,11 +115,12 @@ class SortedCells
 public:
   using Record = KeyedValue<typename Keys::Key>;
 
-  SortedCells(const RootGrid& grid, std::vector<LeafCell> cells, int deepestLevel)
+  template <class Cells>
+  SortedCells(const RootGrid& grid, Cells cells, int deepestLevel)
     : padding_(grid.paddingDepth())
     , keys_(padding_ + deepestLevel)
     , count_(cells.size())
-    , records_(std::make_unique_for_overwrite<Record[]>(cells.size()))
+    , records_(makeLargeArray<Record>(cells.size()))
   {
     const Parts parts(count_);
     std::vector<std::uint8_t> sorted(parts.size());
@@ -134,7 +136,7 @@ public:
       }
       sorted[p] = ascending;
     });
-    std::vector<LeafCell>().swap(cells);
+    Cells().swap(cells);
     if (std::find(sorted.begin(), sorted.end(), 0) != sorted.end())
     {
       sortByKey(records_, count_);
@@ -220,11 +222,11 @@ private:
   int padding_;
   Keys keys_;
   std::size_t count_;
-  std::unique_ptr<Record[]> records_;
+  LargeArray<Record> records_;
 };
 
-template <class Keys>
-std::optional<OctreeAndValues> buildWith(RootGrid& grid, std::vector<LeafCell>& cells, int deepestLevel)
+template <class Keys, class Cells>
+std::optional<OctreeAndValues> buildWith(RootGrid& grid, Cells& cells, int deepestLevel)
 {
   if (grid.paddingDepth() + deepestLevel > Keys::maxDepth)
   {
@@ -234,9 +236,8 @@ std::optional<OctreeAndValues> buildWith(RootGrid& grid, std::vector<LeafCell>& 
   return sorted.build(std::move(grid));
 }
 
-} // namespace
-
-OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells)
+template <class Cells>
+OctreeAndValues buildFrom(RootGrid grid, Cells cells)
 {
   const int deepestLevel = checkCells(grid, cells);
   auto built = buildWith<MortonKeys<std::uint32_t>>(grid, cells, deepestLevel);
@@ -249,6 +250,18 @@ OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells)
     built = buildWith<MortonKeys<WideKey>>(grid, cells, deepestLevel);
   }
   return std::move(*built);
+}
+
+} // namespace
+
+OctreeAndValues buildOctree(RootGrid grid, LargeVector<LeafCell> cells)
+{
+  return buildFrom(std::move(grid), std::move(cells));
+}
+
+OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells)
+{
+  return buildFrom(std::move(grid), std::move(cells));
 }
 
 } // namespace treeamr

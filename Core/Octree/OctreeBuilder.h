@@ -31,7 +31,7 @@ struct LeafCell
 struct OctreeAndValues
 {
   std::shared_ptr<const Octree> octree;
-  std::vector<float> values; // of leaf i
+  LargeVector<float> values; // of leaf i
 };
 
 /// Builds the topology and gathers the leaves' values on the way. Throws Error.
@@ -40,13 +40,14 @@ OctreeAndValues buildOctree(RootGrid grid, const Source& source);
 
 /// The values of another field of the same topology, in the octree's leaf order.
 template <class Source>
-std::vector<float> gatherLeafValues(const Octree& octree, const Source& source);
+LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source);
 
 /// From cells in any order; those in Morton order are not sorted again. Throws Error naming the cell when one
 /// lies outside the root grid, is deeper than RootGrid::maxLevel(), or overlaps another.
 ///
 /// Beside the cells it needs 8 bytes for each when these lie at most 10 levels below the padded root, 16 for
 /// up to 21 levels, else 32; it frees the cells before it needs more.
+OctreeAndValues buildOctree(RootGrid grid, LargeVector<LeafCell> cells);
 OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells);
 
 } // namespace treeamr

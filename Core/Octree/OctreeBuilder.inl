@@ -36,10 +36,10 @@ OctreeAndValues buildOctree(RootGrid grid, const Source& source)
 }
 
 template <class Source>
-std::vector<float> gatherLeafValues(const Octree& octree, const Source& source)
+LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source)
 {
   using Handle = typename Source::Handle;
-  std::vector<float> values(octree.leafCount());
+  LargeVector<float> values(octree.leafCount());
   const auto gather = [&](const auto& self, NodeRef node, const Handle& handle, int parallelLevels) -> void {
     if (node.isLeaf())
     {

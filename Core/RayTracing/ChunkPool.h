@@ -4,12 +4,14 @@
 // and its chunk visible to other threads.
 #pragma once
 
+#include "LargeArray.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
+#include <mutex>
 #include <new>
 #include <vector>
 
@@ -28,7 +30,8 @@ public:
     const std::uint64_t wanted = records == 0 ? 0 : 2 * (records / Chunk::size + 64);
     const std::uint64_t addressable = std::numeric_limits<std::uint32_t>::max() / Chunk::size;
     const auto chunks = std::min<std::uint64_t>({ budgetBytes / sizeof(Chunk), wanted, addressable });
-    chunks_ = std::vector<std::unique_ptr<Chunk>>(chunks);
+    chunks_.resize(chunks);
+    slabs_.resize(slabOf(chunks) + 1);
     limit_ = static_cast<std::uint32_t>(chunks);
   }
 
@@ -55,7 +58,7 @@ public:
         }
         end_ = (next_ / Chunk::size + 1) * Chunk::size;
       }
-      return pool_.chunks_[next_ / Chunk::size].get();
+      return pool_.chunks_[next_ / Chunk::size];
     }
     std::uint32_t index() const noexcept { return next_ % Chunk::size; }
     /// Keeps what was written there: its number.
@@ -83,17 +86,25 @@ public:
       return false;
     }
     limit_ -= static_cast<std::uint32_t>(chunks);
-    std::for_each(chunks_.begin() + limit_, chunks_.end(), [](auto& chunk) { chunk.reset(); });
+    std::fill(chunks_.begin() + limit_, chunks_.end(), nullptr);
+    std::for_each(slabs_.begin() + slabOf(limit_ - 1) + 1, slabs_.end(), [](auto& slab) { slab.reset(); });
     return true;
   }
 
-  /// Allocated bytes.
+  /// Bytes of the chunks in use.
   std::size_t byteSize() const noexcept
   {
     return chunks_.size() * sizeof(chunks_[0]) + std::min<std::size_t>(used_, limit_) * sizeof(Chunk);
   }
 
 private:
+  /// Chunks that are allocated together, on large pages; the first ones one by one: little data takes little memory.
+  static constexpr std::uint32_t slabChunks = (largeArrayBytes + sizeof(Chunk) - 1) / sizeof(Chunk);
+  static constexpr std::uint32_t slabOf(std::uint32_t chunk) noexcept
+  {
+    return chunk < slabChunks ? chunk : slabChunks - 1 + chunk / slabChunks;
+  }
+
   /// First number of a new chunk; 0 when there is none left.
   std::uint32_t addChunk()
   {
@@ -105,10 +116,21 @@ private:
       overflowed_.store(true, std::memory_order_relaxed);
       return 0;
     }
+    const std::lock_guard lock(allocates_);
     if (!chunks_[chunk])
     {
-      chunks_[chunk].reset(new (std::nothrow) Chunk);
-      if (!chunks_[chunk])
+      try
+      {
+        const std::uint32_t first = chunk < slabChunks ? chunk : chunk / slabChunks * slabChunks;
+        const std::uint32_t count = chunk < slabChunks ? 1 : std::min(slabChunks, limit_ - first);
+        LargeArray<Chunk>& slab = slabs_[slabOf(chunk)];
+        slab = makeLargeArray<Chunk>(count);
+        for (std::uint32_t i = 0; i < count; ++i)
+        {
+          chunks_[first + i] = &slab[i];
+        }
+      }
+      catch (const std::bad_alloc&)
       {
         return 0; // memory is short: the caller goes without
       }
@@ -116,7 +138,9 @@ private:
     return chunk == 0 ? 1 : chunk * Chunk::size;
   }
 
-  std::vector<std::unique_ptr<Chunk>> chunks_;
+  std::vector<Chunk*> chunks_;
+  std::vector<LargeArray<Chunk>> slabs_;
+  std::mutex allocates_;
   std::uint32_t limit_ = 0; // of chunks, that the budget allows
   std::atomic<std::uint32_t> used_{ 0 };
   std::atomic<bool> overflowed_{ false };

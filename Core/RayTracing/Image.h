@@ -1,8 +1,9 @@
 // What the renderers fill.
 #pragma once
 
+#include "LargeArray.h"
+
 #include <cstddef>
-#include <vector>
 
 namespace treeamr
 {
@@ -18,7 +19,7 @@ struct Image
   }
   int width;
   int height;
-  std::vector<float> rgba;
+  LargeVector<float> rgba;
 };
 
 } // namespace treeamr

@@ -31,8 +31,8 @@ struct SurfaceHit
 /// up to hits[first[p + 1]].
 struct HitImage
 {
-  std::vector<std::size_t> first;
-  std::vector<SurfaceHit> hits;
+  LargeVector<std::size_t> first;
+  LargeVector<SurfaceHit> hits;
 };
 
 /// Throws Error, on behalf of `user`, when the hits are not those of a picture of the camera's size.

@@ -30,7 +30,7 @@ public:
 
   /// parent: the range of the node's parent, of the root the field's.
   void visit(std::uint64_t node, const std::array<Coord, 3>& index, int depth, Range parent,
-    std::vector<SurfaceBlock>& found) const
+    LargeVector<SurfaceBlock>& found) const
   {
     const Range range = field_.nodeRange(NodeRef(NodeKind::Inner, depth, node), parent);
     if (!holdsIsovalue(range))
@@ -47,7 +47,7 @@ public:
       }
       found.emplace_back(index, depth);
     }
-    const auto visitChild = [&](int octant, std::vector<SurfaceBlock>& into) {
+    const auto visitChild = [&](int octant, LargeVector<SurfaceBlock>& into) {
       std::array<Coord, 3> child;
       for (int a = 0; a < 3; ++a)
       {
@@ -63,7 +63,7 @@ public:
       }
       return;
     }
-    std::array<std::vector<SurfaceBlock>, 8> parts;
+    std::array<LargeVector<SurfaceBlock>, 8> parts;
     tbb::parallel_for(0, 8, [&](int o) {
       if (children.inner() >> o & 1)
       {
@@ -137,9 +137,9 @@ std::array<double, 64> extremes(const std::array<double, 125>& values, Compare c
 }
 
 /// All blocks whose range holds one of the isovalues, in Morton order.
-std::vector<SurfaceBlock> findCandidates(const Field& field, const std::vector<double>& isovalues)
+LargeVector<SurfaceBlock> findCandidates(const Field& field, const std::vector<double>& isovalues)
 {
-  std::vector<SurfaceBlock> found;
+  LargeVector<SurfaceBlock> found;
   const NodeRef root = field.octree().root();
   if (root.isInner())
   {

@@ -84,7 +84,7 @@ public:
   /// ranges. Throws Error for a tree deeper than SurfaceBlock::maxDepth.
   SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes);
 
-  const std::vector<SurfaceBlock>& all() const noexcept { return blocks_; }
+  const LargeVector<SurfaceBlock>& all() const noexcept { return blocks_; }
   const std::vector<double>& isovalues() const noexcept { return isovalues_; }
   const Field& field() const noexcept { return *field_; }
   /// Valid until the thread's next call, for ever when it is kept.
@@ -127,7 +127,7 @@ private:
 
   std::shared_ptr<const Field> field_;
   std::vector<double> isovalues_;
-  mutable std::vector<SurfaceBlock> blocks_; // rays add their records
+  mutable LargeVector<SurfaceBlock> blocks_; // rays add their records
   std::uint64_t octants_ = 0;
   mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records computed since startFrame()
   mutable ChunkPool<Chunk> pool_;

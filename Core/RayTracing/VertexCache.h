@@ -98,7 +98,7 @@ public:
   static constexpr std::size_t blockBytes = sizeof(Chunk) / Chunk::size;
 
 private:
-  using Slots = std::vector<std::atomic<std::uint32_t>>; // by inner node; 0: not kept
+  using Slots = LargeVector<std::atomic<std::uint32_t>>; // by inner node; 0: not kept
   const Slots& slotsOf(BlockCells cells) const noexcept
   {
     return cells == BlockCells::Leaves ? slots_ : meanSlots_;

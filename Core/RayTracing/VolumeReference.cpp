@@ -145,7 +145,7 @@ public:
 private:
   void findHits(TileRay& ray, std::size_t pixel) const noexcept
   {
-    const std::vector<SurfaceHit>& hits = surfaces_->image.hits;
+    const auto& hits = surfaces_->image.hits;
     ray.last = ray.end;
     ray.nextHit = surfaces_->image.first[pixel];
     ray.endOfHits = surfaces_->image.first[pixel + 1];

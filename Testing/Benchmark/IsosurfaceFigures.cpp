@@ -1,8 +1,6 @@
 #include "IsosurfaceFigures.h"
 
-#include "Meter.h"
 #include "PaperPrimitives.h"
-#include "RayTracing/Isosurface.h"
 #include "RayTracing/SurfaceBlocks.h"
 
 namespace treeamr::bench
@@ -13,14 +11,14 @@ namespace
 
 struct PaperCost
 {
-  Seconds extraction;
+  Cost extraction;
   std::size_t primitives;
 };
 
 PaperCost measurePaper(const Field& field, float isovalue, Extraction extraction)
 {
   Primitives found;
-  const Seconds seconds =
+  const Cost seconds =
     best([&] { found = {}; }, [&] { found = extractPrimitives(field, isovalue, extraction); }, 1);
   return { seconds, found.primitives.size() };
 }
@@ -31,43 +29,33 @@ double activePercent(const Field& field, float isovalue)
     static_cast<double>(field.octree().leafCount());
 }
 
-struct RayTracerCost
-{
-  Seconds extraction;
-  Seconds construction; // extraction and hierarchy
-  Seconds coldFrame;    // the first after it
-  Seconds frame;
-  IsosurfaceStatistics statistics; // after the frames
-};
+} // namespace
 
-RayTracerCost measureRayTracer(
+IsosurfaceCosts measureIsosurface(
   const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera)
 {
-  RayTracerCost cost;
+  IsosurfaceCosts costs;
   std::unique_ptr<Isosurface> surface;
   HitImage hits;
   const std::vector<double> isovalues{ isovalue };
-  cost.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes); });
-  cost.construction =
+  costs.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes); });
+  costs.construction =
     best([&] { surface.reset(); }, [&] { surface = std::make_unique<Isosurface>(field, isovalues); });
   const auto render = [&] { surface->render(camera, SurfaceLayers::Nearest, hits); };
-  cost.coldFrame = measure(render);
-  cost.frame = best(render);
-  cost.statistics = surface->statistics();
-  return cost;
+  costs.coldFrame = measure(render);
+  costs.frame = best(render);
+  costs.statistics = surface->statistics();
+  return costs;
 }
 
-} // namespace
-
 std::vector<Figure> isosurfaceFigures(
-  const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera)
+  const std::shared_ptr<const Field>& field, double isovalue, const IsosurfaceCosts& own)
 {
   const auto value = static_cast<float>(isovalue);
   const auto cells = static_cast<double>(field->octree().leafCount());
   const PaperCost naive = measurePaper(*field, value, Extraction::Naive);
   const PaperCost dualCells = measurePaper(*field, value, Extraction::DualCells);
   const PaperCost filtered = measurePaper(*field, value, Extraction::Filtered);
-  const RayTracerCost own = measureRayTracer(field, isovalue, camera);
   const auto blocks = static_cast<double>(own.statistics.blocks);
   return {
     { "isovalue", isovalue, "isovalue", 2 },

@@ -1,8 +1,10 @@
 // Time and memory of an isosurface: the ray tracer's, and the paper's extraction beside it.
 #pragma once
 
+#include "Meter.h"
 #include "Octree/Field.h"
 #include "RayTracing/Camera.h"
+#include "RayTracing/Isosurface.h"
 #include "Report.h"
 
 #include <memory>
@@ -10,9 +12,21 @@
 namespace treeamr::bench
 {
 
-/// The paper's table 2, and what the ray tracer takes.
-std::vector<Figure> isosurfaceFigures(
+/// What the ray tracer takes.
+struct IsosurfaceCosts
+{
+  Cost extraction;
+  Cost construction; // extraction and hierarchy
+  Cost coldFrame;    // the first after it
+  Cost frame;
+  IsosurfaceStatistics statistics; // after the frames
+};
+IsosurfaceCosts measureIsosurface(
   const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera);
+
+/// The paper's table 2, and the ray tracer's costs.
+std::vector<Figure> isosurfaceFigures(
+  const std::shared_ptr<const Field>& field, double isovalue, const IsosurfaceCosts& own);
 
 /// The paper's figure 14: filtered extraction over the share of active cells.
 std::vector<Figure> activityFigures(const Field& field, double isovalue);

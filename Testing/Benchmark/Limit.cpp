@@ -23,7 +23,7 @@ Run run(
   VolumeSettings settings;
   settings.samplesPerCell = samplesPerCell;
   VolumeStatistics statistics;
-  const Seconds seconds =
+  const Cost seconds =
     best([&] { statistics = renderWithoutWalk(field, transferFunction, camera, settings, 4, image); });
   return { seconds.cpu, static_cast<double>(statistics.intervals), static_cast<double>(statistics.steps),
     static_cast<double>(statistics.litSteps) };

@@ -3,7 +3,9 @@
 #include "Error.h"
 
 #include <malloc.h>
+#include <sys/resource.h>
 
+#include <chrono>
 #include <fstream>
 #include <string>
 
@@ -27,7 +29,21 @@ std::size_t statusBytes(const std::string& key)
   throw Error("/proc/self/status: no " + key);
 }
 
+double seconds(const timeval& t)
+{
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
+
 } // namespace
+
+Cost spent()
+{
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now().time_since_epoch();
+  const double system = seconds(usage.ru_stime);
+  return { wall.count(), seconds(usage.ru_utime) + system, system, static_cast<double>(usage.ru_minflt) };
+}
 
 std::size_t residentBytes()
 {

@@ -2,48 +2,50 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
-#include <ctime>
 
 namespace treeamr::bench
 {
 
-struct Seconds
+struct Cost
 {
-  double wall;
-  double cpu; // of all threads
+  double wall = 0.;   // seconds
+  double cpu = 0.;    // of all threads
+  double system = 0.; // of these
+  double faults = 0.; // pages that the system had to make
 };
 
+/// Since the process began; wall: since whenever.
+Cost spent();
+
 template <class Work>
-Seconds measure(const Work& work)
+Cost measure(const Work& work)
 {
-  const auto wall = std::chrono::steady_clock::now();
-  const std::clock_t cpu = std::clock();
+  const Cost before = spent();
   work();
-  return { std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(),
-    static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC };
+  const Cost after = spent();
+  return { after.wall - before.wall, after.cpu - before.cpu, after.system - before.system,
+    after.faults - before.faults };
 }
 
-/// The least of both over `atLeast` runs, or up to `atMost` within three seconds: other programs only ever add time.
-/// prepare() is not measured.
 template <class Prepare, class Work>
-Seconds best(const Prepare& prepare, const Work& work, int atLeast = 3, int atMost = 10)
+Cost best(const Prepare& prepare, const Work& work, int atLeast = 3, int atMost = 10)
 {
   prepare();
-  Seconds least = measure(work);
-  double spent = least.wall;
-  for (int runs = 1; runs < atLeast || (runs < atMost && spent < 3.); ++runs)
+  Cost least = measure(work);
+  double wall = least.wall;
+  for (int runs = 1; runs < atLeast || (runs < atMost && wall < 3.); ++runs)
   {
     prepare();
-    const Seconds s = measure(work);
-    spent += s.wall;
-    least = { std::min(least.wall, s.wall), std::min(least.cpu, s.cpu) };
+    const Cost c = measure(work);
+    wall += c.wall;
+    least = { std::min(least.wall, c.wall), std::min(least.cpu, c.cpu), std::min(least.system, c.system),
+      std::min(least.faults, c.faults) };
   }
   return least;
 }
 template <class Work>
-Seconds best(const Work& work)
+Cost best(const Work& work)
 {
   return best([] {}, work);
 }

@@ -131,7 +131,7 @@ Forest makeSyntheticForest()
   return forest;
 }
 
-std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells)
+std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, LargeVector<LeafCell> cells)
 {
   return makeField(
     buildOctree(RootGrid::uniform(roots, { 0., 0., 0. }, { 1. / roots[0], 1. / roots[1], 1. / roots[2] }),

@@ -33,7 +33,7 @@ Camera makeCamera(int pixels = 1000);
 /// In the unit cube.
 struct Forest
 {
-  std::vector<LeafCell> cells;
+  LargeVector<LeafCell> cells;
   ContentDigest digest;
   std::array<int, 3> roots{ 1, 1, 1 };
 };
@@ -45,7 +45,7 @@ Forest readForest(const std::string& path);
 Forest makeSyntheticForest();
 
 /// With node ranges.
-std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, std::vector<LeafCell> cells);
+std::shared_ptr<Field> buildField(const std::array<int, 3>& roots, LargeVector<LeafCell> cells);
 /// Of test::ProceduralTree, with node ranges.
 std::shared_ptr<Field> buildProceduralField(int deepest, double widths);
 

@@ -11,6 +11,9 @@
 // Isosurface: the paper's extraction of active primitives in its three ways, the last of them over more isovalues,
 // and the ray tracer's surface: construction and frames, of which a cold one is the first.
 //
+// Both print what their steps take of the system: CPU seconds, those of them in the system, page faults, and the most
+// resident memory.
+//
 // --only procedural-200M: about 200M cells that are on no disk, whether they fit memory.
 #include "Error.h"
 #include "IsosurfaceFigures.h"
@@ -102,26 +105,38 @@ std::optional<Options> parse(int argc, char* argv[])
 struct Measurement
 {
   std::vector<Figure> figures;
+  std::vector<Row> system;
   Image image;
   double cells;
   double cpuSecondsPerFrame;
 };
 
+/// What a step of the work takes of the system. resident: the most since takePeakResidentBytes() was called before.
+Row systemRow(const std::string& dataSet, const char* step, const Cost& cost, std::size_t resident)
+{
+  return { dataSet,
+    { { "cpu_s", cost.cpu, "CPU-s", 3 }, { "system_s", cost.system, "system s", 3 },
+      { "page_faults", cost.faults, "faults" },
+      { "peak_resident_bytes", static_cast<double>(resident), "peak MiB", 0, 1. / 1048576. } },
+    { { "step", step } } };
+}
+
 struct BuiltField
 {
   std::shared_ptr<Field> field;
   std::vector<Figure> figures;
+  Row system;
 };
 
 /// From cells in random order.
-BuiltField measureBuild(std::vector<LeafCell> cells, std::size_t residentBefore)
+BuiltField measureBuild(const std::string& dataSet, LargeVector<LeafCell> cells, std::size_t residentBefore)
 {
   const auto count = static_cast<double>(cells.size());
   std::shuffle(cells.begin(), cells.end(), std::mt19937_64(1));
   std::shared_ptr<Field> field;
   const std::size_t residentWithInput = residentBytes();
   takePeakResidentBytes();
-  const Seconds build = measure([&] { field = buildField({ 1, 1, 1 }, std::move(cells)); });
+  const Cost build = measure([&] { field = buildField({ 1, 1, 1 }, std::move(cells)); });
   const std::size_t peak = takePeakResidentBytes();
   const auto perCell = [&](std::size_t bytes, std::size_t before) {
     return (static_cast<double>(bytes) - static_cast<double>(before)) / count;
@@ -134,15 +149,19 @@ BuiltField measureBuild(std::vector<LeafCell> cells, std::size_t residentBefore)
     { "build_cells_per_s", count / build.wall, "M cells/s", 2, 1e-6 },
     { "build_cpu_s_per_cell", build.cpu / count, "CPU ns", 0, 1e9 },
   };
-  return { std::move(field), std::move(figures) };
+  return { std::move(field), std::move(figures), systemRow(dataSet, "build", build, peak) };
 }
 
 Measurement measureVolume(const Options& options, const Scene& scene)
 {
   const std::string file = options.folder + "/" + scene.name;
   const std::size_t resident = residentBytes();
-  Forest forest = readForest(file + ".p8est");
-  auto [field, figures] = measureBuild(std::move(forest.cells), resident);
+  takePeakResidentBytes();
+  Forest forest;
+  const Cost read = measure([&] { forest = readForest(file + ".p8est"); });
+  std::vector<Row> system{ systemRow(scene.name, "read", read, takePeakResidentBytes()) };
+  auto [field, figures, building] = measureBuild(scene.name, std::move(forest.cells), resident);
+  system.push_back(std::move(building));
 
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
@@ -154,15 +173,21 @@ Measurement measureVolume(const Options& options, const Scene& scene)
   const auto frame = [&] {
     statistics = renderVolume(*field, scene.transferFunction, camera, {}, options.settings, *kept, image);
   };
-  const Seconds cold = best(forget, frame);
-  const Seconds warm = best(frame);
-  Seconds single{};
+  const auto measureFrame = [&](const char* step, const auto& prepare) {
+    takePeakResidentBytes();
+    const Cost cost = best(prepare, frame);
+    system.push_back(systemRow(scene.name, step, cost, takePeakResidentBytes()));
+    return cost;
+  };
+  const Cost cold = measureFrame("cold frame", forget);
+  const Cost warm = measureFrame("frame", [] {});
+  Cost single;
   {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     single = best(frame);
   }
   Image scalarImage(camera.width(), camera.height());
-  const Seconds scalar = measure([&] {
+  const Cost scalar = measure([&] {
     renderVolumeReference(*field, scene.transferFunction, camera, {}, options.settings, scalarImage);
   });
   const Image reference =
@@ -181,7 +206,8 @@ Measurement measureVolume(const Options& options, const Scene& scene)
       { "thread_speedup", single.wall / warm.wall, "1 thr/all", 2 },
       { "kept_bytes", static_cast<double>(kept->byteSize()), "kept MiB", 0, 1. / 1048576. },
     });
-  return { std::move(figures), std::move(image), static_cast<double>(field->leafValues().size()), warm.cpu };
+  return { std::move(figures), std::move(system), std::move(image),
+    static_cast<double>(field->leafValues().size()), warm.cpu };
 }
 
 /// Octree, ranges and a frame of a procedural source of about 200M cells, in a memory that is measured.
@@ -190,7 +216,7 @@ void runHuge(const Options& options)
   const std::size_t before = residentBytes();
   takePeakResidentBytes();
   std::shared_ptr<Field> field;
-  const Seconds build = measure([&] { field = buildProceduralField(12, 2.55); });
+  const Cost build = measure([&] { field = buildProceduralField(12, 2.55); });
   const auto count = static_cast<double>(field->octree().leafCount());
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
@@ -199,8 +225,8 @@ void runHuge(const Options& options)
   const auto frame = [&] {
     renderVolume(*field, transferFunction, camera, {}, options.settings, kept, image);
   };
-  const Seconds cold = measure(frame);
-  const Seconds warm = best(frame);
+  const Cost cold = measure(frame);
+  const Cost warm = best(frame);
   Report("volume").add({ "procedural-200M",
     { { nullptr, count, "cells" },
       { nullptr, static_cast<double>(field->byteSize() + field->octree().byteSize()) / count, "B/cell", 2 },
@@ -213,7 +239,7 @@ void runHuge(const Options& options)
   }
 }
 
-void runVolume(const Options& options, Report& report)
+void runVolume(const Options& options, Report& report, std::vector<Row>& system)
 {
   std::optional<Measurement> few;
   for (const Scene& scene : makeScenes())
@@ -224,6 +250,7 @@ void runVolume(const Options& options, Report& report)
     }
     const Measurement result = measureVolume(options, scene);
     report.add({ scene.name, result.figures });
+    system.insert(system.end(), result.system.begin(), result.system.end());
     if (!options.picture.empty())
     {
       writePicture(options.picture, result.image);
@@ -242,7 +269,19 @@ void runVolume(const Options& options, Report& report)
   }
 }
 
-void runIsosurface(const Options& options, Report& report, Report& activity)
+std::vector<Figure> runIsosurface(const std::string& dataSet, const std::shared_ptr<const Field>& field,
+  double isovalue, const Camera& camera, std::vector<Row>& system)
+{
+  takePeakResidentBytes();
+  const IsosurfaceCosts costs = measureIsosurface(field, isovalue, camera);
+  const std::size_t peak = takePeakResidentBytes();
+  system.push_back(systemRow(dataSet, "surface", costs.construction, peak));
+  system.push_back(systemRow(dataSet, "its cold frame", costs.coldFrame, peak));
+  system.push_back(systemRow(dataSet, "its frame", costs.frame, peak));
+  return isosurfaceFigures(field, isovalue, costs);
+}
+
+void runIsosurface(const Options& options, Report& report, Report& activity, std::vector<Row>& system)
 {
   const Camera camera = makeCamera();
   std::vector<Row> activityRows; // a table of its own after the other
@@ -250,7 +289,7 @@ void runIsosurface(const Options& options, Report& report, Report& activity)
   {
     Forest forest = makeSyntheticForest();
     const auto field = buildField(forest.roots, std::move(forest.cells));
-    report.add({ syntheticName, isosurfaceFigures(field, 6.5, camera) });
+    report.add({ syntheticName, runIsosurface(syntheticName, field, 6.5, camera, system) });
   }
   for (const Scene& scene : makeScenes())
   {
@@ -260,7 +299,7 @@ void runIsosurface(const Options& options, Report& report, Report& activity)
     }
     Forest forest = readForest(options.folder + "/" + scene.name + ".p8est");
     const auto field = buildField(forest.roots, std::move(forest.cells));
-    report.add({ scene.name, isosurfaceFigures(field, scene.isovalue, camera) });
+    report.add({ scene.name, runIsosurface(scene.name, field, scene.isovalue, camera, system) });
     for (const double isovalue : scene.moreIsovalues)
     {
       activityRows.push_back({ scene.name, activityFigures(*field, isovalue) });
@@ -288,17 +327,23 @@ void run(const Options& options)
   Report volume("volume");
   Report isosurface("isosurface");
   Report activity("isosurface_activity");
+  Report system("system");
+  std::vector<Row> systemRows; // after the other tables
   if (options.volume)
   {
-    runVolume(options, volume);
+    runVolume(options, volume, systemRows);
   }
   if (options.isosurface)
   {
-    runIsosurface(options, isosurface, activity);
+    runIsosurface(options, isosurface, activity, systemRows);
+  }
+  for (Row& row : systemRows)
+  {
+    system.add(std::move(row));
   }
   if (!options.json.empty())
   {
-    writeJson(options.json, { &volume, &isosurface, &activity });
+    writeJson(options.json, { &volume, &isosurface, &activity, &system });
   }
 }
 

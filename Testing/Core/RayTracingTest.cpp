@@ -403,7 +403,7 @@ TEST(Volume, RejectsBadSettings)
   auto built = buildOctree(unitRoots({ 1, 1, 1 }), std::vector<LeafCell>{});
   Field empty(built.octree, built.values);
   renderVolume(empty, constant(1.f), camera, {}, {}, right);
-  EXPECT_EQ(right.rgba, std::vector<float>(256, 0.f));
+  EXPECT_EQ(right.rgba, LargeVector<float>(256, 0.f));
 
   const std::vector<std::array<float, 4>> colors{ { 1.f, 1.f, 1.f, 0.5f } };
   HitImage hits;

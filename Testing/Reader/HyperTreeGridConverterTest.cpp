@@ -348,7 +348,7 @@ TEST(Converter, TakesASingleCell)
   const auto field = acquireField(grid, { "scalar" }, true);
   EXPECT_EQ(field->octree().leafCount(), 1u);
   EXPECT_EQ(field->octree().innerCount(), 0u);
-  EXPECT_EQ(field->leafValues(), std::vector<float>{ 1.f });
+  EXPECT_EQ(field->leafValues(), treeamr::LargeVector<float>{ 1.f });
 }
 
 TEST(Converter, KeepsRootsThatCursorsPlaceFarApart)

@@ -89,8 +89,8 @@ struct DataSet
 
 struct Frame
 {
-  bench::Seconds seconds;     // with what frames before have kept
-  bench::Seconds coldSeconds; // without
+  bench::Cost seconds;     // with what frames before have kept
+  bench::Cost coldSeconds; // without
   VolumeStatistics statistics;
   std::size_t keptBytes;
 };

@@ -2,6 +2,7 @@
 // the program: it replaces the global operators.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
@@ -25,36 +26,55 @@ std::size_t peakBytes(const Work& work)
 
 } // namespace treeamr::test
 
-// In front of each block, as many bytes as keep its alignment: the block's size.
+// In front of each block, as many bytes as keep its alignment; the last of them hold the block's size.
 
-void* operator new(std::size_t size)
+void* operator new(std::size_t size, std::align_val_t alignment)
 {
   using namespace treeamr::test;
-  auto* const header = static_cast<std::max_align_t*>(std::malloc(sizeof(std::max_align_t) + size));
-  if (!header)
+  const std::size_t front = std::max(static_cast<std::size_t>(alignment), alignof(std::max_align_t));
+  // A multiple of the alignment, as the C standard asks.
+  auto* const block =
+    static_cast<std::byte*>(std::aligned_alloc(front, (size + 2 * front - 1) / front * front));
+  if (!block)
   {
     throw std::bad_alloc();
   }
-  ::new (header) std::size_t(size);
+  ::new (block + front - sizeof(std::size_t)) std::size_t(size);
   const std::size_t now = allocatedBytes += size;
   for (std::size_t most = mostAllocatedBytes;
        most < now && !mostAllocatedBytes.compare_exchange_weak(most, now);)
   {
   }
-  return header + 1;
+  return block + front;
+}
+
+void* operator new(std::size_t size)
+{
+  return operator new(size, std::align_val_t(alignof(std::max_align_t)));
+}
+
+void operator delete(void* pointer, std::align_val_t alignment) noexcept
+{
+  if (pointer)
+  {
+    const std::size_t front = std::max(static_cast<std::size_t>(alignment), alignof(std::max_align_t));
+    auto* const bytes = static_cast<std::byte*>(pointer);
+    treeamr::test::allocatedBytes -= *reinterpret_cast<std::size_t*>(bytes - sizeof(std::size_t));
+    std::free(bytes - front);
+  }
 }
 
 void operator delete(void* pointer) noexcept
 {
-  if (pointer)
-  {
-    auto* const header = static_cast<std::max_align_t*>(pointer) - 1;
-    treeamr::test::allocatedBytes -= *reinterpret_cast<std::size_t*>(header);
-    std::free(header);
-  }
+  operator delete(pointer, std::align_val_t(alignof(std::max_align_t)));
 }
 
 void operator delete(void* pointer, std::size_t /*size*/) noexcept
 {
   operator delete(pointer);
+}
+
+void operator delete(void* pointer, std::size_t /*size*/, std::align_val_t alignment) noexcept
+{
+  operator delete(pointer, alignment);
 }

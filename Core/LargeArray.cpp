@@ -1,0 +1,25 @@
+#include "LargeArray.h"
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
+namespace treeamr
+{
+
+void* allocateLarge(std::size_t bytes)
+{
+  void* const memory = ::operator new(bytes, std::align_val_t(largePage));
+#ifdef __linux__
+  // An advice: where it is refused, nothing is lost.
+  madvise(memory, bytes / largePage * largePage, MADV_HUGEPAGE);
+#endif
+  return memory;
+}
+
+void releaseLarge(void* memory) noexcept
+{
+  ::operator delete(memory, std::align_val_t(largePage));
+}
+
+} // namespace treeamr
