@@ -170,7 +170,7 @@ private:
     std::weak_ptr<const Octree>& cached = octrees_[octreeKey];
     if (std::shared_ptr<const Octree> octree = cached.lock())
     {
-      std::vector<float> leafValues = gatherLeafValues(*octree, source);
+      treeamr::LargeVector<float> leafValues = gatherLeafValues(*octree, source);
       return Field(std::move(octree), std::move(leafValues));
     }
     OctreeAndValues built = buildOctree(topology.rootGrid(), source);

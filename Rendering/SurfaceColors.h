@@ -9,6 +9,7 @@
 #include "vtkUnsignedCharArray.h"
 
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -36,7 +37,7 @@ public:
   }
   explicit operator bool() const noexcept { return rgba_ != nullptr; }
   /// Of hits[i].
-  const unsigned char* at(const std::vector<SurfaceHit>& hits, std::size_t i) const
+  const unsigned char* at(std::span<const SurfaceHit> hits, std::size_t i) const
   {
     return rgba_->GetPointer(4 * static_cast<vtkIdType>(per_ == Per::Surface ? hits[i].surface : i));
   }

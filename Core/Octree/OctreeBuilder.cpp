@@ -236,8 +236,10 @@ std::optional<OctreeAndValues> buildWith(RootGrid& grid, Cells& cells, int deepe
   return sorted.build(std::move(grid));
 }
 
-template <class Cells>
-OctreeAndValues buildFrom(RootGrid grid, Cells cells)
+} // namespace
+
+template <class Allocator>
+OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell, Allocator> cells)
 {
   const int deepestLevel = checkCells(grid, cells);
   auto built = buildWith<MortonKeys<std::uint32_t>>(grid, cells, deepestLevel);
@@ -251,17 +253,11 @@ OctreeAndValues buildFrom(RootGrid grid, Cells cells)
   }
   return std::move(*built);
 }
-
-} // namespace
-
-OctreeAndValues buildOctree(RootGrid grid, LargeVector<LeafCell> cells)
-{
-  return buildFrom(std::move(grid), std::move(cells));
-}
+template OctreeAndValues buildOctree(RootGrid grid, LargeVector<LeafCell> cells);
 
 OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells)
 {
-  return buildFrom(std::move(grid), std::move(cells));
+  return buildOctree<std::allocator<LeafCell>>(std::move(grid), std::move(cells));
 }
 
 } // namespace treeamr

@@ -47,8 +47,11 @@ LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source);
 ///
 /// Beside the cells it needs 8 bytes for each when these lie at most 10 levels below the padded root, 16 for
 /// up to 21 levels, else 32; it frees the cells before it needs more.
-OctreeAndValues buildOctree(RootGrid grid, LargeVector<LeafCell> cells);
 OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell> cells);
+/// The same from a LargeVector. A template, so that a list in braces is the former.
+template <class Allocator>
+OctreeAndValues buildOctree(RootGrid grid, std::vector<LeafCell, Allocator> cells);
+extern template OctreeAndValues buildOctree(RootGrid grid, LargeVector<LeafCell> cells);
 
 } // namespace treeamr
 

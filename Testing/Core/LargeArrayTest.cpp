@@ -1,0 +1,193 @@
+// Large arrays lie on large pages, small ones take no more than they need, and what cannot be had throws.
+#include "LargeArray.h"
+#include "Octree/Field.h"
+#include "Octree/OctreeBuilder.h"
+#include "RayTracing/ChunkPool.h"
+#include "Support/AllocationCounter.h"
+#include "Support/ProceduralTree.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+
+#ifdef __linux__
+#include <sys/resource.h>
+#endif
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+constexpr std::size_t MiB = std::size_t(1) << 20;
+
+std::size_t placeInLargePage(const void* memory)
+{
+  return reinterpret_cast<std::uintptr_t>(memory) % largePage;
+}
+
+/// Whether the system gives large pages to those who ask.
+bool hasLargePages()
+{
+  std::ifstream file("/sys/kernel/mm/transparent_hugepage/enabled");
+  std::string modes;
+  return std::getline(file, modes) && modes.find("[never]") == std::string::npos;
+}
+
+#ifdef __linux__
+template <class Work>
+long pageFaults(const Work& work)
+{
+  const auto count = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_minflt;
+  };
+  const long before = count();
+  work();
+  return count() - before;
+}
+#endif
+
+struct Chunk
+{
+  static constexpr std::uint32_t size = 64;
+  std::array<std::array<std::byte, 4096>, size> records;
+};
+
+/// Adds so many records, each filled.
+void add(ChunkPool<Chunk>::Writer& writer, int records)
+{
+  for (int i = 0; i < records; ++i)
+  {
+    Chunk* const chunk = writer.room();
+    ASSERT_NE(chunk, nullptr);
+    chunk->records[writer.index()].fill(std::byte(i));
+    writer.keep();
+  }
+}
+
+} // namespace
+
+TEST(LargeArray, BeginsOnALargePageAboveFourMegabytes)
+{
+  for (const std::size_t bytes : { 4 * MiB, 4 * MiB + 1, 64 * MiB })
+  {
+    const LargeVector<char> vector(bytes);
+    EXPECT_EQ(placeInLargePage(vector.data()), 0u) << bytes;
+    EXPECT_EQ(placeInLargePage(makeLargeArray<char>(bytes).get()), 0u) << bytes;
+  }
+  const LargeVector<double> grown = [] {
+    LargeVector<double> v;
+    for (int i = 0; i < 1000000; ++i)
+    {
+      v.push_back(i);
+    }
+    return v;
+  }();
+  EXPECT_EQ(placeInLargePage(grown.data()), 0u);
+  EXPECT_EQ(grown[999999], 999999.);
+}
+
+TEST(LargeArray, TakesTheBytesThatItHolds)
+{
+  for (const std::size_t bytes : { std::size_t(1), 4 * MiB - 1, 4 * MiB, 5 * MiB + 1 })
+  {
+    EXPECT_EQ(peakBytes([&] { LargeVector<char> vector(bytes); }), bytes);
+    EXPECT_EQ(peakBytes([&] { makeLargeArray<char>(bytes); }), bytes);
+  }
+}
+
+TEST(LargeArray, ThrowsWhereThereIsNoMemory)
+{
+  const std::size_t tooMuch = std::size_t(1) << 60;
+  EXPECT_THROW(LargeVector<float>(tooMuch / sizeof(float)), std::bad_alloc);
+  EXPECT_THROW(makeLargeArray<float>(tooMuch / sizeof(float)), std::bad_alloc);
+  EXPECT_THROW(makeLargeArray<double>(~std::size_t(0) / 2), std::bad_alloc);
+}
+
+TEST(LargeArray, PoolsBeginSmallAndGrowByLargeArrays)
+{
+  const std::size_t before = allocatedBytes;
+  ChunkPool<Chunk> pool(100000, 512 * MiB);
+  const std::size_t tables = allocatedBytes - before;
+  ChunkPool<Chunk>::Writer writer(pool);
+  add(writer, 1);
+  EXPECT_EQ(allocatedBytes - before, tables + sizeof(Chunk));
+  add(writer, 64 * 64);
+  EXPECT_LE(allocatedBytes - before, tables + 65 * sizeof(Chunk) + largeArrayBytes);
+  EXPECT_EQ(placeInLargePage(&pool.chunkOf(40 * 64).records) % sizeof(Chunk), 0u);
+}
+
+TEST(LargeArray, PoolsStayInTheirBudget)
+{
+  const std::size_t before = allocatedBytes;
+  const std::size_t budget = 37 * sizeof(Chunk);
+  ChunkPool<Chunk> pool(100000, budget);
+  const std::size_t tables = allocatedBytes - before;
+  ChunkPool<Chunk>::Writer writer(pool);
+  int added = 0;
+  while (Chunk* const chunk = writer.room())
+  {
+    chunk->records[writer.index()].fill(std::byte(added));
+    writer.keep();
+    ++added;
+  }
+  EXPECT_EQ(added, 37 * 64 - 1); // 0 is no number
+  EXPECT_EQ(allocatedBytes - before, tables + budget);
+  EXPECT_TRUE(pool.overflowed());
+
+  pool.forget();
+  EXPECT_TRUE(pool.giveUp(18 * sizeof(Chunk)));
+  EXPECT_LE(allocatedBytes - before, tables + 19 * sizeof(Chunk) + largeArrayBytes);
+  ChunkPool<Chunk>::Writer again(pool);
+  add(again, 19 * 64 - 1);
+  EXPECT_EQ(again.room(), nullptr);
+  EXPECT_LE(allocatedBytes - before, tables + 19 * sizeof(Chunk) + largeArrayBytes);
+}
+
+#ifdef __linux__
+
+TEST(LargeArray, TakesAFewPageFaults)
+{
+  if (!hasLargePages())
+  {
+    GTEST_SKIP() << "no transparent huge pages on this machine";
+  }
+  constexpr std::size_t bytes = 64 * MiB;
+  constexpr long smallPages = bytes / 4096;
+  EXPECT_LT(pageFaults([] { LargeVector<char> vector(bytes); }), smallPages / 4);
+  EXPECT_LT(pageFaults([] {
+    const auto array = makeLargeArray<char>(bytes);
+    std::fill_n(array.get(), bytes, 'x');
+  }),
+    smallPages / 4);
+  EXPECT_LT(pageFaults([] {
+    ChunkPool<Chunk> pool(100000, 512 * MiB);
+    ChunkPool<Chunk>::Writer writer(pool);
+    add(writer, bytes / 4096);
+  }),
+    smallPages / 2);
+}
+
+TEST(LargeArray, IsWhatOctreesAndFieldsAreMadeOf)
+{
+  if (!hasLargePages())
+  {
+    GTEST_SKIP() << "no transparent huge pages on this machine";
+  }
+  const ProceduralTree tree(8, 3.); // a million cells
+  std::size_t bytes = 0;
+  const long faults = pageFaults([&] {
+    auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), tree);
+    Field field(built.octree, std::move(built.values));
+    bytes = field.octree().byteSize() + field.byteSize();
+  });
+  ASSERT_GT(bytes, 6 * MiB);
+  std::printf("%zu bytes, %ld page faults\n", bytes, faults);
+}
+
+#endif
