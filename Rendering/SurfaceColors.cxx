@@ -116,7 +116,7 @@ bool hasCategories(vtkMapper* mapper)
 }
 
 std::vector<float> categoriesAtHits(
-  const Categories& categories, const Isosurface& surface, const std::vector<SurfaceHit>& hits)
+  const Categories& categories, const Isosurface& surface, std::span<const SurfaceHit> hits)
 {
   std::vector<float> numbers(hits.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hits.size(), hitsPerTask), [&](const auto& range) {
@@ -130,7 +130,7 @@ std::vector<float> categoriesAtHits(
 }
 
 HitColors mapCategories(vtkMapper* mapper, const Categories& categories, const std::vector<float>& numbers,
-  const std::vector<SurfaceHit>& hits, const std::vector<double>* isovalues)
+  std::span<const SurfaceHit> hits, const std::vector<double>* isovalues)
 {
   const auto ofCategories = mapScalars(mapper, categories.values);
   const auto ofNothing = mapScalars(mapper, { vtkMath::Nan() });

@@ -60,10 +60,10 @@ HitColors mapValues(vtkMapper* mapper, std::vector<float>& values);
 bool hasCategories(vtkMapper* mapper);
 /// The number of the category of each hit's cell; NaN where the categories have none.
 std::vector<float> categoriesAtHits(
-  const Categories& categories, const Isosurface& surface, const std::vector<SurfaceHit>& hits);
+  const Categories& categories, const Isosurface& surface, std::span<const SurfaceHit> hits);
 /// Of such numbers. Surfaces of an isovalue that the table lists have its colour instead; isovalues: of the hits'
 /// surfaces, null when they are of another array.
 HitColors mapCategories(vtkMapper* mapper, const Categories& categories, const std::vector<float>& numbers,
-  const std::vector<SurfaceHit>& hits, const std::vector<double>* isovalues);
+  std::span<const SurfaceHit> hits, const std::vector<double>* isovalues);
 
 } // namespace treeamr
