@@ -1,6 +1,7 @@
 // One cell array of the reader's grid each, filled leaf by leaf. Private to the reader.
 #pragma once
 
+#include "LargeDataArray.h"
 #include "P4estForestFile.h"
 #include "PayloadLayout.h"
 
@@ -41,9 +42,10 @@ protected:
     const auto array = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTKTypeID()));
     array->SetName(name);
     array->SetNumberOfComponents(components);
-    array->SetNumberOfTuples(nodes);
+    auto* const typed = vtkAOSDataArrayTemplate<T>::FastDownCast(array);
+    allocateTuples(typed, nodes);
     cellData->AddArray(array);
-    values_ = vtkAOSDataArrayTemplate<T>::FastDownCast(array)->GetPointer(0);
+    values_ = typed->GetPointer(0);
   }
   T* tuple(vtkIdType node) { return values_ + node * components_; }
 
