@@ -9,6 +9,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkLookupTable.h"
 #include "vtkMapper.h"
 #include "vtkMath.h"
 #include "vtkNew.h"
@@ -29,7 +30,8 @@ namespace
 
 constexpr std::size_t hitsPerTask = 4096;
 
-vtkSmartPointer<vtkUnsignedCharArray> mapScalars(vtkMapper* mapper, vtkDataArray* scalars)
+vtkSmartPointer<vtkUnsignedCharArray> mapScalars(
+  vtkMapper* mapper, vtkDataArray* scalars, int colorMode = VTK_COLOR_MODE_MAP_SCALARS)
 {
   vtkScalarsToColors* table = mapper->GetLookupTable();
   if (!mapper->GetUseLookupTableScalarRange())
@@ -37,8 +39,10 @@ vtkSmartPointer<vtkUnsignedCharArray> mapScalars(vtkMapper* mapper, vtkDataArray
     table->SetRange(mapper->GetScalarRange());
   }
   table->Build();
+  // One value is no component of a vector any more; several are a vector or a colour, whole.
+  const int component = scalars->GetNumberOfComponents() == 1 ? 0 : -1;
   return vtkSmartPointer<vtkUnsignedCharArray>::Take(
-    table->MapScalars(scalars, VTK_COLOR_MODE_MAP_SCALARS, 0, VTK_RGBA));
+    table->MapScalars(scalars, colorMode, component, VTK_RGBA));
 }
 
 vtkSmartPointer<vtkUnsignedCharArray> mapScalars(vtkMapper* mapper, const std::vector<double>& values)
@@ -49,6 +53,31 @@ vtkSmartPointer<vtkUnsignedCharArray> mapScalars(vtkMapper* mapper, const std::v
     scalars->InsertNextValue(value);
   }
   return mapScalars(mapper, scalars);
+}
+
+/// Values of the source's own type: colours of integers count from 0 to 255, of floating point numbers from 0 to 1.
+template <class Value>
+vtkSmartPointer<vtkUnsignedCharArray> mapColors(
+  vtkMapper* mapper, const ColorSource& source, const std::vector<Value>& values)
+{
+  auto colors = vtkSmartPointer<vtkDataArray>::Take(source.array->NewInstance());
+  const auto components = static_cast<int>(source.components.size());
+  colors->SetNumberOfComponents(components);
+  colors->SetNumberOfTuples(static_cast<vtkIdType>(values.size()) / components);
+  const int type = source.array->GetDataType();
+  const bool isReal = type == VTK_FLOAT || type == VTK_DOUBLE;
+  const double least = source.array->GetDataTypeMin();
+  const double greatest = source.array->GetDataTypeMax();
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    double value = std::isnan(values[i]) ? 0. : values[i]; // there is no cell: black
+    if (!isReal)
+    {
+      value = std::clamp(std::round(value), least, greatest);
+    }
+    colors->SetComponent(static_cast<vtkIdType>(i) / components, static_cast<int>(i) % components, value);
+  }
+  return mapScalars(mapper, colors, VTK_COLOR_MODE_DIRECT_SCALARS);
 }
 
 /// The leaf at a cell's place, or what is there instead.
@@ -64,55 +93,88 @@ NodeRef nodeAt(const Octree& octree, const CellId& cell)
 
 } // namespace
 
-ArraySelection selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid)
+ColorSource selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid)
 {
-  ArraySelection selection;
+  ColorSource source;
   if (!mapper->GetScalarVisibility())
   {
-    return selection;
+    return source;
   }
   vtkDataArray* active = grid->GetCellData()->GetScalars();
-  selection.name = selectedCellArrayName(grid, mapper->GetScalarMode(), mapper->GetArrayAccessMode(),
+  const std::string name = selectedCellArrayName(grid, mapper->GetScalarMode(), mapper->GetArrayAccessMode(),
     mapper->GetArrayId(), mapper->GetArrayName(), active && active->GetName() ? active->GetName() : "");
-  vtkDataArray* array =
-    selection.name.empty() ? nullptr : grid->GetCellData()->GetArray(selection.name.c_str());
-  if (!array)
+  source.array = name.empty() ? nullptr : grid->GetCellData()->GetArray(name.c_str());
+  if (!source.array)
   {
-    return {};
+    return source;
+  }
+  if (vtkLookupTable* own = source.array->GetLookupTable())
+  {
+    mapper->SetLookupTable(own);
   }
   vtkScalarsToColors* table = mapper->GetLookupTable();
+  const int components = source.array->GetNumberOfComponents();
+  const bool mayBeColor = components <= 4; // luminance and colour, each with an opacity or without
+  source.direct = mayBeColor &&
+    (mapper->GetColorMode() == VTK_COLOR_MODE_DIRECT_SCALARS ||
+      (mapper->GetColorMode() == VTK_COLOR_MODE_DEFAULT && source.array->GetDataType() == VTK_UNSIGNED_CHAR));
+  const bool isMappedColor = mayBeColor && components > 1 && mapper->GetArrayComponent() < 0 &&
+    table->GetVectorMode() == vtkScalarsToColors::RGBCOLORS;
+  if (source.direct || isMappedColor)
+  {
+    for (int c = 0; c < components; ++c)
+    {
+      source.components.push_back({ name, c });
+    }
+    return source;
+  }
+  int component = -1;
   if (mapper->GetArrayComponent() >= 0)
   {
-    selection.component = mapper->GetArrayComponent();
+    component = mapper->GetArrayComponent();
   }
   else if (table->GetVectorMode() == vtkScalarsToColors::COMPONENT)
   {
-    selection.component = table->GetVectorComponent();
+    component = table->GetVectorComponent();
   }
   // As vtkMapper does for components that the array has not.
-  if (selection.component >= array->GetNumberOfComponents())
+  source.components.push_back({ name, component < components ? component : 0 });
+  return source;
+}
+
+bool isTranslucent(vtkMapper* mapper, const ColorSource& source)
+{
+  if (!source.array)
   {
-    selection.component = 0;
+    return false;
   }
-  return selection;
+  vtkScalarsToColors* table = mapper->GetLookupTable();
+  table->Build();
+  return !table->IsOpaque(source.array, mapper->GetColorMode(), mapper->GetArrayComponent());
 }
 
-HitColors mapIsovalues(vtkMapper* mapper, const std::vector<double>& isovalues)
+HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::vector<double>& isovalues)
 {
-  return { mapScalars(mapper, isovalues), HitColors::Per::Surface };
+  return { source.direct ? mapColors(mapper, source, isovalues) : mapScalars(mapper, isovalues),
+    HitColors::Per::Surface };
 }
 
-HitColors mapValues(vtkMapper* mapper, std::vector<float>& values)
+HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values)
 {
+  if (source.direct)
+  {
+    return { mapColors(mapper, source, values), HitColors::Per::Hit };
+  }
   vtkNew<vtkFloatArray> scalars;
+  scalars->SetNumberOfComponents(static_cast<int>(source.components.size()));
   constexpr int staysOurs = 1;
   scalars->SetArray(values.data(), static_cast<vtkIdType>(values.size()), staysOurs);
   return { mapScalars(mapper, scalars), HitColors::Per::Hit };
 }
 
-bool hasCategories(vtkMapper* mapper)
+bool hasCategories(vtkMapper* mapper, const ColorSource& source)
 {
-  return mapper->GetLookupTable()->GetIndexedLookup() != 0;
+  return !source.direct && mapper->GetLookupTable()->GetIndexedLookup() != 0;
 }
 
 std::vector<float> categoriesAtHits(

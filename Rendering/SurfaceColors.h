@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+class vtkDataArray;
 class vtkHyperTreeGrid;
 class vtkMapper;
 
@@ -47,17 +48,30 @@ private:
   Per per_ = Per::Hit;
 };
 
-/// The array that the mapper colours by, and which of its components; without a name there is none. Throws Error for an
-/// array that the grid has not.
-ArraySelection selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid);
+/// What a mapper colours by.
+struct ColorSource
+{
+  vtkDataArray* array = nullptr; // null: nothing, the solid colour
+  // The values that the lookup table gets for each point: one each.
+  std::vector<ArraySelection> components;
+  /// Whether the values are colours themselves.
+  bool direct = false;
+};
+
+/// Gives the mapper the array's own lookup table when it has one, as vtkMapper does. Throws Error for an array that the
+/// grid has not.
+ColorSource selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid);
+
+/// Whether some of its colours are translucent, as far as vtkMapper goes into it.
+bool isTranslucent(vtkMapper* mapper, const ColorSource& source);
 
 /// Of surfaces coloured by the array that they are isosurfaces of: of the isovalues themselves.
-HitColors mapIsovalues(vtkMapper* mapper, const std::vector<double>& isovalues);
-/// Of one value of the selected array for each hit.
-HitColors mapValues(vtkMapper* mapper, std::vector<float>& values);
+HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::vector<double>& isovalues);
+/// values: of each hit its components.
+HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values);
 
-/// Whether the mapper's table looks values up as categories, with nothing in between.
-bool hasCategories(vtkMapper* mapper);
+/// Whether the mapper's table looks values up as categories, with nothing in between; of colours it looks none up.
+bool hasCategories(vtkMapper* mapper, const ColorSource& source);
 /// The number of the category of each hit's cell; NaN where the categories have none.
 std::vector<float> categoriesAtHits(
   const Categories& categories, const Isosurface& surface, std::span<const SurfaceHit> hits);

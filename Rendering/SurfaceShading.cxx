@@ -101,12 +101,11 @@ void arrangePoints(const HitImage& hits, const Camera& camera, vtkTreeAMRSurface
 
 } // namespace
 
-std::vector<float> valuesAtHits(
-  const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits)
+void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits,
+  std::size_t stride, float* values)
 {
   const std::unique_ptr<Sampler> sampler = Sampler::create(InterpolationMethod::GTI, field);
   const Bounds domain = field->octree().grid().bounds();
-  std::vector<float> values(hits.hits.size(), std::numeric_limits<float>::quiet_NaN());
   forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
     Vec3 point = pointAt(ray, hits.hits[i].t);
     for (int a = 0; a < 3; ++a)
@@ -115,12 +114,9 @@ std::vector<float> valuesAtHits(
       point[a] = std::clamp(point[a], domain.min[a], domain.max[a]);
     }
     FieldSample sample;
-    if (sampler->sample(point, sample))
-    {
-      values[i] = static_cast<float>(sample.value);
-    }
+    values[stride * i] = sampler->sample(point, sample) ? static_cast<float>(sample.value)
+                                                        : std::numeric_limits<float>::quiet_NaN();
   });
-  return values;
 }
 
 void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
@@ -135,6 +131,7 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
     const Vec3 side{ -away[0], -away[1], -away[2] };
     const Vec3 point = frame.worldPoint(pointAt(ray, hit.t));
     Material material = appearance.material;
+    float opacity = appearance.opacity;
     if (colors)
     {
       const unsigned char* const rgba = colors.at(hits.hits, i);
@@ -144,22 +141,23 @@ void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearan
         material.ambient[c] = appearance.ambientOfColors * channel;
         material.diffuse[c] = appearance.diffuseOfColors * channel;
       }
+      opacity *= appearance.opaque ? 1.f : rgba[3] / 255.f;
     }
     const Vec3 normal = appearance.flat ? frame.worldNormal(hit.gradient, side)
                                         : frame.shadingNormal(hit.gradient, hit.normal, side);
     // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
     const Vec3 toEye = normalized({ -point[0], -point[1], -point[2] });
     std::array<float, 3> rgb = shade(material, appearance.lights, point, normal, toEye,
-      visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], appearance.opacity);
+      visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], opacity);
     if (!visibility.open.empty())
     {
       for (float& channel : rgb)
       {
-        channel *= 1.f - appearance.opacity * (1.f - visibility.open[i]);
+        channel *= 1.f - opacity * (1.f - visibility.open[i]);
       }
     }
     std::copy(rgb.begin(), rgb.end(), &image.RGBA[4 * i]);
-    image.RGBA[4 * i + 3] = appearance.opacity;
+    image.RGBA[4 * i + 3] = opacity;
     image.Depth[i] = static_cast<float>(camera.depthFromT(ray, hit.t));
   });
 }

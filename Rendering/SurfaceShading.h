@@ -19,6 +19,7 @@ struct SurfaceAppearance
 {
   Material material;
   std::vector<Light> lights;
+  bool opaque = true; // whatever the opacities of colours
   float opacity = 1.f;
   /// Whether each trilinear piece shows its own gradient, which changes abruptly from one to the next.
   bool flat = false;
@@ -35,9 +36,9 @@ struct SurfaceVisibility
   std::vector<std::uint8_t> lit; // lit[l + lights * hit]
 };
 
-/// Values of a field at the hits; NaN where it has no cell.
-std::vector<float> valuesAtHits(
-  const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits);
+/// Values of a field at the hits into every stride-th of `values`; NaN where it has no cell.
+void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits,
+  std::size_t stride, float* values);
 
 /// Lights the hits in view coordinates, which are the camera's world. The surface blocks light like a layer of its opacity. Fills all of the image but Position and Normal.
 void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,

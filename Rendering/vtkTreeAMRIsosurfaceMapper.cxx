@@ -83,8 +83,8 @@ struct vtkTreeAMRIsosurfaceMapper::View
   bool IsInteractive = false;
 
   // What is known of the hits besides.
-  std::shared_ptr<const treeamr::Field> ColorField;
-  std::vector<float> ColorValues;
+  std::vector<std::shared_ptr<const treeamr::Field>> ColorFields;
+  std::vector<float> ColorValues; // of each hit one of each field
   treeamr::SurfaceVisibility Visibility;
   std::vector<std::uint16_t> OpenRays; // of the AmbientOcclusionRays of each hit
   int AmbientOcclusionRays = 0;
@@ -121,7 +121,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
 {
   vtkTreeAMRFramebuffer Framebuffer;
   treeamr::FieldSlot ContourSlot;
-  treeamr::FieldSlot ColorSlot;
+  std::array<treeamr::FieldSlot, 4> ColorSlots; // of the components of a colour
   treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
   treeamr::OnceReporter Errors;
@@ -298,7 +298,6 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
   const char* name = array->Get(vtkDataObject::FIELD_NAME());
   contoured.name = name && *name ? name : treeamr::defaultCellArrayName(grid);
   contoured.component = this->IsosurfaceComponent;
-
   Internals& internals = *this->Private;
   const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured, true);
   std::vector<double> isovalues(this->GetNumberOfContours());
@@ -390,7 +389,7 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
   const double start = vtkTimerLog::GetUniversalTime();
   view.Camera.reset();
   view.PictureIsOfThisFrame = false;
-  view.ColorField.reset();
+  view.ColorFields.clear();
   view.Visibility = {};
   view.OpenRays.clear();
   view.AmbientOcclusionRays = 0;
@@ -432,30 +431,31 @@ double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& gri
 treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTreeGrid* grid)
 {
   Internals& internals = *this->Private;
-  treeamr::ArraySelection selection;
+  treeamr::ColorSource source;
   try
   {
-    selection = treeamr::selectColors(this, grid);
+    source = treeamr::selectColors(this, grid);
   }
   catch (const treeamr::Error& error)
   {
     this->Warn(error.what());
   }
-  if (selection.name.empty())
+  if (!source.array)
   {
     return {};
   }
-  const bool ofItself = treeamr::isSameArray(grid, selection, internals.Contoured);
-  if (treeamr::hasCategories(this))
+  const std::size_t count = source.components.size();
+  const bool ofItself = count == 1 && treeamr::isSameArray(grid, source.components[0], internals.Contoured);
+  if (treeamr::hasCategories(this, source))
   {
     const std::shared_ptr<const treeamr::Categories>& categories =
-      internals.CategorySlot.acquire(grid, selection, false);
-    internals.ColorSlot.release();
-    const std::shared_ptr<const treeamr::Field> numbers(categories, &categories->numbers);
-    if (view.ColorField != numbers)
+      internals.CategorySlot.acquire(grid, source.components[0], false);
+    internals.ColorSlots = {};
+    const std::vector<std::shared_ptr<const treeamr::Field>> numbers{ { categories, &categories->numbers } };
+    if (view.ColorFields != numbers)
     {
       view.ColorValues = treeamr::categoriesAtHits(*categories, *view.Surface, view.Hits.hits);
-      view.ColorField = numbers;
+      view.ColorFields = numbers;
     }
     return treeamr::mapCategories(
       this, *categories, view.ColorValues, view.Hits.hits, ofItself ? &view.Surface->isovalues() : nullptr);
@@ -463,15 +463,38 @@ treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTre
   internals.CategorySlot.release();
   if (ofItself)
   {
-    return treeamr::mapIsovalues(this, internals.Surface->isovalues());
+    return treeamr::mapIsovalues(this, source, internals.Surface->isovalues());
   }
-  const std::shared_ptr<const treeamr::Field>& field = internals.ColorSlot.acquire(grid, selection, false);
-  if (view.ColorField != field)
+  std::vector<std::shared_ptr<const treeamr::Field>> fields;
+  for (std::size_t c = 0; c < count; ++c)
   {
-    view.ColorValues = treeamr::valuesAtHits(field, *view.Camera, view.Hits);
-    view.ColorField = field;
+    fields.push_back(internals.ColorSlots[c].acquire(grid, source.components[c], false));
   }
-  return treeamr::mapValues(this, view.ColorValues);
+  if (view.ColorFields != fields)
+  {
+    view.ColorFields.clear();
+    view.ColorValues.resize(count * view.Hits.hits.size());
+    for (std::size_t c = 0; c < count; ++c)
+    {
+      treeamr::valuesAtHits(fields[c], *view.Camera, view.Hits, count, &view.ColorValues[c]);
+    }
+    view.ColorFields = fields;
+  }
+  return treeamr::mapValues(this, source, view.ColorValues);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceMapper::HasTranslucentPolygonalGeometry()
+{
+  vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
+  try
+  {
+    return grid && treeamr::isTranslucent(this, treeamr::selectColors(this, grid));
+  }
+  catch (const treeamr::Error&)
+  {
+    return false; // Render() says why there are no colours
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -525,8 +548,8 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   appearance.lights = treeamr::convertLights(view.Renderer);
   const bool lit = treeamr::isLit(property, appearance.lights);
   appearance.material = treeamr::convertMaterial(property, lit);
-  appearance.opacity =
-    view.Layers == treeamr::SurfaceLayers::All ? static_cast<float>(property->GetOpacity()) : 1.f;
+  appearance.opaque = view.Layers == treeamr::SurfaceLayers::Nearest;
+  appearance.opacity = appearance.opaque ? 1.f : static_cast<float>(property->GetOpacity());
   appearance.flat = property->GetInterpolation() == VTK_FLAT;
   appearance.ambientOfColors =
     static_cast<float>(lit ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());

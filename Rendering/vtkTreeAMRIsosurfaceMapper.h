@@ -9,14 +9,14 @@
  *
  * The actor's vtkProperty and the renderer's lights shade it as they shade polygons: with normals that are smooth
  * across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured by an
- * array through vtkMapper's ScalarVisibility, ScalarMode, SelectColorArray() and LookupTable; arrays of
- * colours (direct scalars) are mapped like all others, and an array that does not exist leaves the solid
- * colour, with a warning. Coloured by the contoured array each surface has the colour of its value. A table
- * with IndexedLookup makes categories of the values: each point has the colour of its cell's own value, or of an
- * isovalue that the table lists. Real depth is written: the surface meets polygons and volumes correctly.
+ * array through vtkMapper's ScalarVisibility, ScalarMode, ColorMode, SelectColorArray() and LookupTable, its
+ * opacities included; an array that does not exist leaves the solid colour, with a warning. Coloured by the
+ * contoured array each surface has the colour of its value. A table with IndexedLookup makes categories of the values:
+ * each point has the colour of its cell's own value, or of an isovalue that the table lists. Real depth is written:
+ * the surface meets polygons and volumes correctly.
  *
- * An actor of opacity below 1 shows all layers of the surfaces. With depth peeling they are sorted among themselves
- * and with all other translucent geometry and the volumes of this module; each layer takes a peel, and two layers
+ * An actor of opacity below 1, or of translucent colours, shows all layers of the surfaces. With depth peeling they
+ * are sorted among themselves and with all other translucent geometry and the volumes of this module; each layer takes a peel, and two layers
  * nearer than the depth buffer can tell are one. Without it the layers before what is opaque are blended in
  * their order and count as one, at the nearest, for VTK's order independent pass.
  *
@@ -142,6 +142,10 @@ public:
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
+
+  /// Whether the array's colours are translucent, by vtkMapper's rules: those of the lookup table, or those in an array of
+  /// colours.
+  bool HasTranslucentPolygonalGeometry() override;
 
   /// Changes with the isovalues, too.
   vtkMTimeType GetMTime() override;

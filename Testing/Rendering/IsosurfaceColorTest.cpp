@@ -3,8 +3,11 @@
 
 #include "vtkActorCollection.h"
 #include "vtkCellData.h"
+#include "vtkDiscretizableColorTransferFunction.h"
 #include "vtkDoubleArray.h"
 #include "vtkLookupTable.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
 #include <cmath>
@@ -233,6 +236,165 @@ TEST_F(IsosurfaceColorTest, componentsOfVectors)
   table->SetVectorModeToMagnitude();
   mapper->ColorByArrayComponent("v", 1);
   expectColors(scene, byY);
+}
+
+// As VTK decides for polygons: in the translucent pass, once any entry of the table is translucent.
+TEST_F(IsosurfaceColorTest, opacitiesOfTheLookupTable)
+{
+  constexpr double background = 0.5;
+  const auto over = [](Color& color, double alpha) {
+    for (double& channel : color)
+    {
+      channel = alpha * channel + (1. - alpha) * background;
+    }
+  };
+  for (const bool peeling : { false, true })
+  {
+    Scene scene;
+    scene.renderer->SetBackground(background, background, background);
+    scene.renderer->SetUseDepthPeeling(peeling);
+    vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, planeGrid(), "x");
+    vtkActor* actor = scene.renderer->GetActors()->GetLastActor();
+    const auto table = makeTable(-0.8, 0.9);
+    mapper->SetLookupTable(table);
+    mapper->UseLookupTableScalarRangeOn();
+    EXPECT_TRUE(actor->HasOpaqueGeometry());
+    table->SetAlphaRange(0.1, 0.9);
+    table->ForceBuild();
+    EXPECT_FALSE(actor->HasOpaqueGeometry());
+    EXPECT_TRUE(actor->HasTranslucentPolygonalGeometry());
+    expectColors(scene, [&](const Point& p, Color& color) {
+      table->GetColor(p[0], color.data());
+      over(color, table->GetOpacity(p[0]));
+      return true;
+    });
+    actor->GetProperty()->SetOpacity(0.5);
+    expectColors(scene, [&](const Point& p, Color& color) {
+      table->GetColor(p[0], color.data());
+      over(color, 0.5 * table->GetOpacity(p[0]));
+      return true;
+    });
+    actor->GetProperty()->SetOpacity(1.);
+
+    // ParaView's tables: opacity mapping off, then on; by another array, then by that of the surfaces.
+    vtkNew<vtkDiscretizableColorTransferFunction> functions;
+    functions->AddRGBPoint(-1., 1., 0., 0.2);
+    functions->AddRGBPoint(1., 0.2, 1., 0.4);
+    vtkNew<vtkPiecewiseFunction> opacity;
+    opacity->AddPoint(-1., 0.);
+    opacity->AddPoint(1., 0.8);
+    functions->SetScalarOpacityFunction(opacity);
+    functions->DiscretizeOff();
+    functions->Build();
+    mapper->SetLookupTable(functions);
+    EXPECT_TRUE(actor->HasOpaqueGeometry());
+    expectColors(scene, [&](const Point& p, Color& color) {
+      functions->GetColor(p[0], color.data());
+      return true;
+    });
+    functions->EnableOpacityMappingOn();
+    EXPECT_FALSE(actor->HasOpaqueGeometry());
+    expectColors(scene, [&](const Point& p, Color& color) {
+      functions->GetColor(p[0], color.data());
+      over(color, opacity->GetValue(p[0]));
+      return true;
+    });
+    mapper->SelectColorArray("plane");
+    expectColors(scene, [&](const Point&, Color& color) {
+      functions->GetColor(0., color.data());
+      over(color, opacity->GetValue(0.));
+      return true;
+    });
+    mapper->ScalarVisibilityOff();
+    EXPECT_TRUE(actor->HasOpaqueGeometry());
+  }
+}
+
+// Arrays that are colours themselves, with an opacity or without.
+TEST_F(IsosurfaceColorTest, directColors)
+{
+  const auto channel = [](const Point& p, int c) {
+    return std::array<double, 4>{ 0.5 + 0.4 * p[0], 0.5 - 0.3 * p[1], 0.3, 0.6 + 0.2 * p[0] }[c];
+  };
+  for (const bool real : { false, true })
+  {
+    for (const int components : { 1, 2, 3, 4 })
+    {
+      const auto grid = planeGrid();
+      vtkCellData* cells = grid->GetCellData();
+      vtkSmartPointer<vtkDataArray> colors;
+      if (real)
+      {
+        colors = vtkSmartPointer<vtkDoubleArray>::New();
+      }
+      else
+      {
+        colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
+      }
+      colors->SetName("colors");
+      colors->SetNumberOfComponents(components);
+      const auto ofComponent = [&](int c) { return components == 2 && c == 1 ? 3 : c; };
+      const vtkIdType count = cells->GetArray("x")->GetNumberOfTuples();
+      colors->SetNumberOfTuples(count);
+      for (vtkIdType i = 0; i < count; ++i)
+      {
+        const Point p{ cells->GetArray("x")->GetTuple1(i), cells->GetArray("y")->GetTuple1(i), 0. };
+        for (int c = 0; c < components; ++c)
+        {
+          const double value = channel(p, ofComponent(c));
+          colors->SetComponent(i, c, real ? value : std::round(255. * value));
+        }
+      }
+      cells->AddArray(colors);
+      Scene scene;
+      vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "colors");
+      vtkActor* actor = scene.renderer->GetActors()->GetLastActor();
+      const auto direct = [&](const Point& p, Color& color) {
+        for (int c = 0; c < 3; ++c)
+        {
+          const double alpha = components % 2 == 0 ? channel(p, 3) : 1.;
+          color[c] = alpha * channel(p, components < 3 ? 0 : c);
+        }
+        return true;
+      };
+      if (real)
+      {
+        mapper->SetColorModeToDirectScalars();
+      }
+      EXPECT_EQ(actor->HasTranslucentPolygonalGeometry() != 0, components % 2 == 0);
+      expectColors(scene, direct);
+
+      // By the table, whatever they are.
+      const auto table =
+        makeTable(real ? -1. : -255., real ? 2. : 510.); // steps of integers are a third of an entry
+      table->SetVectorModeToComponent();
+      table->SetVectorComponent(0);
+      mapper->SetLookupTable(table);
+      mapper->UseLookupTableScalarRangeOn();
+      mapper->SetColorModeToMapScalars();
+      EXPECT_TRUE(actor->HasOpaqueGeometry());
+      expectColors(scene, [&](const Point& p, Color& color) {
+        table->GetColor((real ? 1. : 255.) * channel(p, 0), color.data());
+        return true;
+      });
+    }
+  }
+}
+
+// An array may bring its own table.
+TEST_F(IsosurfaceColorTest, tableOfTheArray)
+{
+  Scene scene;
+  const auto grid = planeGrid();
+  const auto table = makeTable(-0.8, 0.9);
+  grid->GetCellData()->GetArray("x")->SetLookupTable(table);
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "x");
+  mapper->UseLookupTableScalarRangeOn();
+  expectColors(scene, [&](const Point& p, Color& color) {
+    table->GetColor(p[0], color.data());
+    return true;
+  });
+  EXPECT_EQ(mapper->GetLookupTable(), table);
 }
 
 // A table whose entries meet at the isovalue or beside it: all points of the surface have the one colour that the table
