@@ -22,15 +22,13 @@ namespace treeamr
 namespace
 {
 
-/// What a field was made from. An array's address and MTime name its state for the life of the process:
-/// MTimes come from one counter and every vtkObject draws one when it is made, so a new array at an old
-/// address differs.
+/// What a field was made from. The values themselves: one may change them in place and mark the grid alone as
+/// modified, as VTK's own mappers see it.
 struct FieldKey
 {
   ContentDigest topology;
   ContentDigest globalIndices;
-  const vtkDataArray* array;
-  vtkMTimeType arrayTime;
+  ContentDigest values;
   int component;
 
   auto operator<=>(const FieldKey&) const = default;
@@ -85,8 +83,8 @@ private:
   std::shared_ptr<const Made> acquire(Entries<Made>& entries, HyperTreeGridTopology& topology,
     const CellValues& values, bool withNodeRanges, const Build& build)
   {
-    const FieldKey key{ topology.octreeDigest(), topology.globalIndexDigest(), &values.array(),
-      values.array().GetMTime(), values.component() };
+    const FieldKey key{ topology.octreeDigest(), topology.globalIndexDigest(), values.digest(),
+      values.component() };
     const std::scoped_lock lock(mutex_);
     std::erase_if(octrees_, [](const auto& entry) { return entry.second.expired(); });
     std::erase_if(entries, [](const auto& entry) { return entry.second.expired(); });

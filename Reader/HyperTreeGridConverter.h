@@ -31,9 +31,9 @@ struct ArraySelection
 
 /// The field of an array and its octree, from a process-wide cache that keeps nothing alive by itself: copies
 /// of a grid (VTK copies at every step of a pipeline) share one octree, whatever the array, unless an array's
-/// non-finite values cut different cells. An array changed in place must be marked with Modified(), as
-/// everywhere in VTK. Each call reads the topology once to recognise it (a few ms per million cells): keep
-/// the result while the input's MTime stays. Safe from several threads while none changes the grid.
+/// non-finite values cut different cells. Each call reads topology and
+/// values once to recognise them (a few ms per million cells): keep the result while the MTime of grid and arrays
+/// stays. Safe from several threads while none changes the grid.
 ///
 /// Throws Error when the grid is null, has no tree or no drawable cell, is not three-dimensional, has a
 /// branch factor other than 2 or material interfaces, when its coordinates along an axis are not finite or

@@ -2,6 +2,7 @@
 // the converter.
 #pragma once
 
+#include "ContentDigest.h"
 #include "HyperTreeGridConverter.h"
 #include "HyperTreeGridTopology.h"
 
@@ -77,6 +78,25 @@ public:
   bool isFinite(vtkIdType index) const
   {
     return std::abs((*this)(index)) <= double(std::numeric_limits<float>::max());
+  }
+
+  /// Of all values of the array and their type.
+  ContentDigest digest() const
+  {
+    ContentDigest digest;
+    digest.add(std::uint64_t(array_->GetDataType()));
+    digest.add(std::uint64_t(componentCount_));
+    const vtkIdType count = array_->GetNumberOfValues();
+    if (array_->HasStandardMemoryLayout() && array_->GetDataType() != VTK_BIT)
+    {
+      digest.addBytes(array_->GetVoidPointer(0), static_cast<std::size_t>(count) * array_->GetDataTypeSize());
+      return digest;
+    }
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      digest.add(array_->GetComponent(i / componentCount_, static_cast<int>(i % componentCount_)));
+    }
+    return digest;
   }
 
   vtkDataArray& array() const noexcept { return *array_; }

@@ -5,6 +5,7 @@
 #include "SceneConversion.h"
 #include "SurfaceColors.h"
 #include "SurfaceShading.h"
+#include "UnsupportedSettings.h"
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
@@ -23,7 +24,6 @@
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPlaneCollection.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkTimerLog.h"
@@ -126,6 +126,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   treeamr::BoundsSlot BoundsSlot;
   treeamr::OnceReporter Errors;
   treeamr::OnceReporter Warnings;
+  treeamr::SettingWarnings SettingWarnings;
 
   std::shared_ptr<const treeamr::Field> Field;
   std::vector<double> Isovalues;
@@ -186,6 +187,24 @@ vtkHyperTreeGrid* vtkTreeAMRIsosurfaceMapper::GetHyperTreeGrid()
   return this->GetNumberOfInputConnections(0) < 1
     ? nullptr
     : vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(0, 0));
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::ShallowCopy(vtkAbstractMapper* mapper)
+{
+  this->Superclass::ShallowCopy(mapper);
+  if (vtkTreeAMRIsosurfaceMapper* other = vtkTreeAMRIsosurfaceMapper::SafeDownCast(mapper))
+  {
+    this->SetInputConnection(
+      other->GetNumberOfInputConnections(0) > 0 ? other->GetInputConnection(0, 0) : nullptr);
+    this->SetInputArrayToProcess(0, other->GetInputArrayInformation(0));
+    this->ContourValues->DeepCopy(other->ContourValues);
+    this->SetIsosurfaceComponent(other->IsosurfaceComponent);
+    this->SetCompositeIndex(other->CompositeIndex);
+    this->SetAmbientOcclusionSamples(other->AmbientOcclusionSamples);
+    this->SetAmbientOcclusionRadius(other->AmbientOcclusionRadius);
+    this->SetShadows(other->Shadows);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -587,11 +606,8 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
 void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* actor)
 {
   Internals& internals = *this->Private;
-  vtkPlaneCollection* planes = this->GetClippingPlanes();
-  if (planes && planes->GetNumberOfItems() > 0)
-  {
-    this->Warn("Clipping planes are not implemented and have no effect.");
-  }
+  internals.SettingWarnings.add(treeamr::unsupportedSettings(actor, this),
+    [this](const std::string& message) { vtkWarningMacro(<< message); });
   vtkHyperTreeGrid* grid = this->UpdateInput();
   this->UpdateSurface(grid);
   if (!internals.Surface)

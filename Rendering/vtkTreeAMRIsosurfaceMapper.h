@@ -30,8 +30,9 @@
  * Hardware selection gives the cells that the surface is seen in, as indices into the grid's cell arrays; a
  * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker) find
  * points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect data
- * sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. Clipping planes are not
- * implemented and warn. Needs an OpenGL window.
+ * sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. What it cannot do
+ * warns once when it is asked for: clipping planes, wireframe, points, edges, culling, backface properties, textures,
+ * physically based shading, shader code. Needs an OpenGL window.
  */
 
 #ifndef vtkTreeAMRIsosurfaceMapper_h
@@ -149,6 +150,8 @@ public:
 
   /// Changes with the isovalues, too.
   vtkMTimeType GetMTime() override;
+  /// The input, too.
+  void ShallowCopy(vtkAbstractMapper* mapper) override;
   void Render(vtkRenderer* renderer, vtkActor* actor) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
   bool GetSupportsSelection() override { return true; }

@@ -2,6 +2,7 @@
 
 #include "MapperInput.h"
 #include "SceneConversion.h"
+#include "UnsupportedSettings.h"
 #include "VolumeSurfaces.h"
 #include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRFramebuffer.h"
@@ -19,7 +20,6 @@
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPlaneCollection.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkTable.h"
@@ -107,7 +107,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
   treeamr::OnceReporter Errors;
-  treeamr::OnceReporter Warnings;
+  treeamr::SettingWarnings Warnings;
 
   std::shared_ptr<const treeamr::Field> Field;           // that rays see
   std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
@@ -188,6 +188,51 @@ vtkHyperTreeGrid* vtkTreeAMRVolumeMapper::GetHyperTreeGrid()
   return this->GetNumberOfInputConnections(0) < 1
     ? nullptr
     : vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(0, 0));
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
+{
+  this->Superclass::ShallowCopy(mapper);
+  if (vtkVolumeMapper* other = vtkVolumeMapper::SafeDownCast(mapper))
+  {
+    // VTK's volume mappers leave out what is theirs.
+    this->SetScalarMode(other->GetScalarMode());
+    if (other->GetArrayAccessMode() == VTK_GET_ARRAY_BY_ID)
+    {
+      this->SelectScalarArray(other->GetArrayId());
+    }
+    else
+    {
+      this->SelectScalarArray(other->GetArrayName());
+    }
+    this->SetBlendMode(other->GetBlendMode());
+    this->SetAverageIPScalarRange(other->GetAverageIPScalarRange());
+    this->SetComputeNormalFromOpacity(other->GetComputeNormalFromOpacity());
+    this->SetCropping(other->GetCropping());
+    this->SetCroppingRegionPlanes(other->GetCroppingRegionPlanes());
+    this->SetCroppingRegionFlags(other->GetCroppingRegionFlags());
+  }
+  if (vtkTreeAMRVolumeMapper* other = vtkTreeAMRVolumeMapper::SafeDownCast(mapper))
+  {
+    this->SetInputConnection(
+      other->GetNumberOfInputConnections(0) > 0 ? other->GetInputConnection(0, 0) : nullptr);
+    this->SetVectorMode(other->VectorMode);
+    this->SetVectorComponent(other->VectorComponent);
+    this->SetSamplesPerCell(other->SamplesPerCell);
+    this->SetVertexCacheSize(other->VertexCacheSize);
+    this->SetSkipEmptySpace(other->SkipEmptySpace);
+    this->SetAutoAdjustSampleDistances(other->AutoAdjustSampleDistances);
+    this->SetImageSampleDistance(other->ImageSampleDistance);
+    this->SetMinimumImageSampleDistance(other->MinimumImageSampleDistance);
+    this->SetMaximumImageSampleDistance(other->MaximumImageSampleDistance);
+    this->SetInteractiveRenderTime(other->InteractiveRenderTime);
+    this->SetLevelOfDetail(other->LevelOfDetail);
+    this->SetEstimateError(other->EstimateError);
+    this->SetTargetError(other->TargetError);
+    this->SetShowIsosurfaces(other->ShowIsosurfaces);
+    this->SetIsosurfaceOpacityScale(other->IsosurfaceOpacityScale);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -276,15 +321,14 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
       throw treeamr::Error(std::string("volume mapper: the ") + name + " is not a number");
     }
   }
-  vtkPlaneCollection* planes = this->GetClippingPlanes();
-  if (this->Cropping || (planes && planes->GetNumberOfItems() > 0))
-  {
-    const char* const message = "Cropping and clipping planes are not implemented and have no effect.";
-    if (this->Private->Warnings.isNews(message, this->GetMTime()))
-    {
-      vtkWarningMacro(<< message);
-    }
-  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkRenderer* renderer, vtkVolume* volume)
+{
+  const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
+  this->Private->Warnings.add(treeamr::unsupportedSettings(renderer, volume, this, hasSurfaces),
+    [this](const std::string& message) { vtkWarningMacro(<< message); });
 }
 
 //------------------------------------------------------------------------------
@@ -593,6 +637,7 @@ void vtkTreeAMRVolumeMapper::Report(const char* message, vtkVolume* volume)
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
+  this->WarnOfSettings(renderer, volume);
   if (renderer->GetSelector())
   {
     return;

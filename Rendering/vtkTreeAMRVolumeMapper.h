@@ -14,9 +14,10 @@
  * in one pass and in their order.
  *
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons through
- * dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. Shading of the volume
- * itself, gradient opacity, cropping and clipping planes are not implemented; cropping and clipping warn. Volumes
- * do not take part in hardware selection.
+ * dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. What VTK's volume
+ * mappers do besides warns once when it is asked for: shading of the volume itself, gradient opacity,
+ * two-dimensional functions, components with functions of their own, cropping, clipping planes, hardware selection.
+ * The property's interpolation type is not asked: the field is always continuous, but for categories.
  *
  * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
  * surfaces of its own value have, with the opacity function's opacity there, and nothing is interpolated.
@@ -75,11 +76,11 @@ public:
   ///@}
 
   ///@{
-  /// Samples of the field along one cell's width, above 0, where colour or opacity vary in the cell; fewer where
+  /// Samples of the field along one cell's width, from 0.01 to a million, where colour or opacity vary in the cell; fewer where
   /// little can change, but at least one in each cell, or block of eight cells of one size, that a ray crosses.
   /// Where the opacity function varies more than samples can follow its integral over each step is used.
   /// Default 2.
-  vtkSetMacro(SamplesPerCell, double);
+  vtkSetClampMacro(SamplesPerCell, double, 0.01, 1e6);
   vtkGetMacro(SamplesPerCell, double);
   ///@}
   ///@{
@@ -201,6 +202,8 @@ public:
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
 
+  /// The input, too.
+  void ShallowCopy(vtkAbstractMapper* mapper) override;
   void Render(vtkRenderer* renderer, vtkVolume* volume) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
 
@@ -230,6 +233,7 @@ private:
   struct Internals;
 
   void CheckSettings();
+  void WarnOfSettings(vtkRenderer* renderer, vtkVolume* volume);
   bool ShowsVolume() const;
   treeamr::ArraySelection SelectArray();
   void UpdateField(vtkVolume* volume);

@@ -45,7 +45,15 @@ vtkProp3D* vtkTreeAMRIsosurfaceRepresentation::GetProp()
 //------------------------------------------------------------------------------
 bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
 {
-  return this->Property->GetOpacity() < 1.;
+  if (this->Property->GetOpacity() < 1.)
+  {
+    return true;
+  }
+  // The mapper gets the grid when it is rendered, which is later.
+  const std::string colored = this->GetColorArrayName();
+  vtkDataArray* array = this->Grid ? this->Grid->GetCellData()->GetArray(colored.c_str()) : nullptr;
+  return !colored.empty() &&
+    !this->Mapper->GetLookupTable()->IsOpaque(array, this->Mapper->GetColorMode(), -1);
 }
 
 //------------------------------------------------------------------------------
@@ -113,6 +121,12 @@ void vtkTreeAMRIsosurfaceRepresentation::SetShadows(bool shadows)
 void vtkTreeAMRIsosurfaceRepresentation::SetLookupTable(vtkScalarsToColors* colors)
 {
   this->Mapper->SetLookupTable(colors);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetMapScalars(bool map)
+{
+  map ? this->Mapper->SetColorModeToMapScalars() : this->Mapper->SetColorModeToDirectScalars();
 }
 
 //------------------------------------------------------------------------------

@@ -33,6 +33,7 @@ public:
 
   /// Colours of the array chosen in the Coloring section. Without one the surface has the diffuse colour.
   void SetLookupTable(vtkScalarsToColors* colors);
+  void SetMapScalars(bool map);
 
   ///@{
   /// Forwarded to the actor's property.

@@ -138,12 +138,14 @@ void vtkTreeAMRVolumeRepresentation::SetScalarOpacityUnitDistance(double distanc
 void vtkTreeAMRVolumeRepresentation::SetBlendMode(int mode)
 {
   this->Mapper->SetBlendMode(mode);
+  this->UpdateShade();
 }
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::SetShowIsosurfaces(bool show)
 {
   this->Mapper->SetShowIsosurfaces(show);
+  this->UpdateShade();
 }
 
 //------------------------------------------------------------------------------
@@ -167,7 +169,41 @@ void vtkTreeAMRVolumeRepresentation::SetIsosurfaceOpacityScale(double scale)
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::SetShade(bool shade)
 {
-  this->Property->SetShade(shade);
+  this->Shade = shade;
+  this->UpdateShade();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::UpdateShade()
+{
+  // The mapper would warn that it shades no volume, which nobody has asked for here.
+  const bool hasSurfaces =
+    this->Mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND || this->Mapper->GetShowIsosurfaces();
+  this->Property->SetShade(this->Shade && hasSurfaces);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetAmbient(double coefficient)
+{
+  this->Property->SetAmbient(coefficient);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetDiffuse(double coefficient)
+{
+  this->Property->SetDiffuse(coefficient);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetSpecular(double coefficient)
+{
+  this->Property->SetSpecular(coefficient);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetSpecularPower(double power)
+{
+  this->Property->SetSpecularPower(power);
 }
 
 //------------------------------------------------------------------------------

@@ -43,6 +43,10 @@ public:
   void SetIsosurfaceValue(int index, double value);
   void SetIsosurfaceOpacityScale(double scale);
   void SetShade(bool shade);
+  void SetAmbient(double coefficient);
+  void SetDiffuse(double coefficient);
+  void SetSpecular(double coefficient);
+  void SetSpecularPower(double power);
   ///@}
   /// Samples along each cell's width.
   void SetSamplesPerCell(double samples);
@@ -81,6 +85,9 @@ private:
   vtkTreeAMRVolumeRepresentation(const vtkTreeAMRVolumeRepresentation&) = delete;
   void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
 
+  void UpdateShade();
+
+  bool Shade = true; // the isosurfaces
   vtkNew<vtkVolume> Volume;
   vtkNew<vtkVolumeProperty> Property;
   vtkNew<vtkTreeAMRVolumeMapper> Mapper;

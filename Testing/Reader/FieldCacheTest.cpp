@@ -102,6 +102,22 @@ TEST(FieldCache, SeesAnArrayChangedInPlace)
   EXPECT_LE(before->range().max, 1.f);
 }
 
+// The grid is what data filters mark, the array stays as old as it was.
+TEST(FieldCache, SeesValuesOfAnArrayThatIsNotMarked)
+{
+  const auto grid = makeGrid({});
+  const auto before = acquireField(grid, { "scalar" }, true);
+  const auto beforeVector = acquireField(grid, { "vector", 2 }, true);
+  scalarOf(grid)->SetValue(3, 12345.);
+  grid->Modified();
+  const auto after = acquireField(grid, { "scalar" }, true);
+  EXPECT_NE(after, before);
+  EXPECT_EQ(after->range().max, 12345.f);
+  EXPECT_EQ(acquireField(grid, { "vector", 2 }, true), beforeVector);
+  scalarOf(grid)->SetValue(3, 54321.);
+  EXPECT_EQ(acquireField(grid, { "scalar" }, true)->range().max, 54321.f);
+}
+
 TEST(FieldCache, SeesTheTopologyChangedInPlace)
 {
   const auto grid = makeUniformlyRefinedGrid(1);

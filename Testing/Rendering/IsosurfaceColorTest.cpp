@@ -365,8 +365,11 @@ TEST_F(IsosurfaceColorTest, directColors)
       expectColors(scene, direct);
 
       // By the table, whatever they are.
-      const auto table =
-        makeTable(real ? -1. : -255., real ? 2. : 510.); // steps of integers are a third of an entry
+      vtkNew<vtkLookupTable> table; // gray: a value of integers is one step
+      table->SetSaturationRange(0., 0.);
+      table->SetValueRange(0., 1.);
+      table->SetTableRange(0., real ? 1. : 255.);
+      table->Build();
       table->SetVectorModeToComponent();
       table->SetVectorComponent(0);
       mapper->SetLookupTable(table);

@@ -1,0 +1,127 @@
+#include "UnsupportedSettings.h"
+
+#include "vtkActor.h"
+#include "vtkMapper.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPlaneCollection.h"
+#include "vtkProperty.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProperty.h"
+#include "vtkTexture.h"
+#include "vtkVolume.h"
+#include "vtkVolumeMapper.h"
+#include "vtkVolumeProperty.h"
+
+#include <cstring>
+#include <initializer_list>
+
+namespace treeamr
+{
+
+namespace
+{
+
+struct Setting
+{
+  const char* name;
+  bool isSet;
+};
+
+SettingNames namesOf(std::initializer_list<Setting> settings)
+{
+  SettingNames names;
+  for (const Setting& setting : settings)
+  {
+    if (setting.isSet)
+    {
+      names.emplace_back(setting.name);
+    }
+  }
+  return names;
+}
+
+bool hasClippingPlanes(vtkAbstractMapper* mapper)
+{
+  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
+  return planes && planes->GetNumberOfItems() > 0;
+}
+
+bool hasShaderCode(vtkProp* prop)
+{
+  vtkShaderProperty* shaders = prop->GetShaderProperty();
+  return shaders->HasVertexShaderCode() || shaders->HasGeometryShaderCode() ||
+    shaders->HasFragmentShaderCode() || shaders->GetNumberOfShaderReplacements() > 0;
+}
+
+/// A function that is 1 everywhere, which VTK makes when it copies properties, changes nothing.
+bool hasGradientOpacity(vtkVolumeProperty* property)
+{
+  if (!property->HasGradientOpacity() || property->GetDisableGradientOpacity())
+  {
+    return false;
+  }
+  vtkPiecewiseFunction* function = property->GetGradientOpacity();
+  return std::strcmp(function->GetType(), "Constant") != 0 || function->GetValue(0.) != 1.;
+}
+
+template <class IsSet>
+bool anyComponent(int first, const IsSet& isSet)
+{
+  bool any = false;
+  for (int i = first; i < VTK_MAX_VRCOMP; ++i)
+  {
+    any = any || isSet(i);
+  }
+  return any;
+}
+
+} // namespace
+
+SettingNames unsupportedSettings(
+  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces)
+{
+  vtkVolumeProperty* property = volume->GetProperty();
+  // Asking for functions that were never set would make them; colours tell by their channels.
+  const bool hasSecondComponent = anyComponent(1, [&](int i) { return property->GetColorChannels(i) != 1; });
+  const bool hasWeights = anyComponent(0, [&](int i) { return property->GetComponentWeight(i) != 1.; });
+  return namesOf({
+    { "Cropping", mapper->GetCropping() != 0 },
+    { "ClippingPlanes", hasClippingPlanes(mapper) },
+    { "Shade of a volume without isosurfaces", property->GetShade() && !hasSurfaces },
+    { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
+    { "GradientOpacity", hasGradientOpacity(property) },
+    { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
+    { "IndependentComponents off", !property->GetIndependentComponents() },
+    { "Color of a second component", hasSecondComponent },
+    { "ComponentWeight", hasWeights },
+    { "Functions of labels", property->GetNumberOfLabels() > 0 },
+    { "UseClippedVoxelIntensity", property->GetUseClippedVoxelIntensity() != 0 },
+    { "ScatteringAnisotropy", property->GetScatteringAnisotropy() != 0.f },
+    { "ShaderProperty", hasShaderCode(volume) },
+    { "Hardware selection of a volume", renderer->GetSelector() && volume->GetPickable() },
+  });
+}
+
+SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper)
+{
+  vtkProperty* property = actor->GetProperty();
+  double factor = 0.;
+  double units = 0.;
+  mapper->GetRelativeCoincidentTopologyPolygonOffsetParameters(factor, units);
+  return namesOf({
+    { "ClippingPlanes", hasClippingPlanes(mapper) },
+    { "Representation Wireframe", property->GetRepresentation() == VTK_WIREFRAME },
+    { "Representation Points", property->GetRepresentation() == VTK_POINTS },
+    { "EdgeVisibility", property->GetEdgeVisibility() != 0 },
+    { "VertexVisibility", property->GetVertexVisibility() != 0 },
+    { "Interpolation PBR", property->GetInterpolation() == VTK_PBR },
+    { "BackfaceCulling", property->GetBackfaceCulling() != 0 },
+    { "FrontfaceCulling", property->GetFrontfaceCulling() != 0 },
+    { "BackfaceProperty", actor->GetBackfaceProperty() != nullptr },
+    { "Texture", actor->GetTexture() || property->GetNumberOfTextures() > 0 },
+    { "RelativeCoincidentTopologyPolygonOffset", factor != 0. || units != 0. },
+    { "ShaderProperty", hasShaderCode(actor) },
+  });
+}
+
+} // namespace treeamr

@@ -1,0 +1,46 @@
+// What VTK lets users set and the mappers do not do: said once, never silently left out. Private to the module.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+class vtkActor;
+class vtkMapper;
+class vtkRenderer;
+class vtkVolume;
+class vtkVolumeMapper;
+
+namespace treeamr
+{
+
+/// VTK's names of what a scene asks for in vain.
+using SettingNames = std::vector<std::string>;
+
+/// Empty for VTK's defaults. hasSurfaces: whether there is something for vtkVolumeProperty::Shade to light.
+SettingNames unsupportedSettings(
+  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces);
+SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper);
+
+/// Says each once.
+class SettingWarnings
+{
+public:
+  /// Calls warn(message) for each name that is new.
+  template <class Warn>
+  void add(const SettingNames& names, const Warn& warn)
+  {
+    for (const std::string& name : names)
+    {
+      if (said_.insert(name).second)
+      {
+        warn(name + ": not implemented, without effect.");
+      }
+    }
+  }
+
+private:
+  std::set<std::string> said_;
+};
+
+} // namespace treeamr

@@ -1,0 +1,247 @@
+// Settings of the mappers as VTK's classes have them: copied, followed, and said to be without effect where they are.
+#include "PlaneSurface.h"
+
+#include "vtkActorCollection.h"
+#include "vtkCellData.h"
+#include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
+#include "vtkHardwareSelector.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkPlane.h"
+#include "vtkSelection.h"
+#include "vtkShaderProperty.h"
+#include "vtkTexture.h"
+
+#include <functional>
+#include <sstream>
+
+using namespace treeamr::test;
+
+namespace
+{
+
+/// What PrintSelf() says, but for what no two objects have in common.
+std::string settingsOf(vtkObject* object)
+{
+  std::stringstream text;
+  object->Print(text);
+  std::string settings;
+  for (std::string line; std::getline(text, line);)
+  {
+    bool isOwn = false;
+    for (const char* own : { "0x", "Modified Time", "Reference Count", "TimeToDraw", "Time To Draw",
+           "Executive", "BuildTime", "Build Time" })
+    {
+      isOwn = isOwn || line.find(own) != std::string::npos;
+    }
+    settings += isOwn ? "" : line + "\n";
+  }
+  return settings;
+}
+
+/// A volume and an isosurface beside it.
+class MapperSettingsTest : public PlaneSurfaceTest
+{
+protected:
+  MapperSettingsTest()
+    : grid_(planeGrid())
+    , volume_(scene_.addVolume(grid_, "x", { 1., 0.8, 0.6 }, 2.))
+    , surface_(scene_.addIsosurface(grid_, "plane", 0.))
+    , volumeMapper_(Scene::mapperOf(volume_))
+    , surfaceMapper_(Scene::mapperOf(surface_))
+  {
+    surface_->SetPosition(2.5, 0., 0.);
+    scene_.setCamera();
+  }
+
+  Scene scene_;
+  vtkSmartPointer<vtkHyperTreeGrid> grid_;
+  vtkVolume* volume_;
+  vtkActor* surface_;
+  vtkTreeAMRVolumeMapper* volumeMapper_;
+  vtkTreeAMRIsosurfaceMapper* surfaceMapper_;
+};
+
+} // namespace
+
+TEST_F(MapperSettingsTest, shallowCopies)
+{
+  vtkNew<vtkPlane> plane;
+  volumeMapper_->SelectScalarArray("y");
+  volumeMapper_->SetVectorMode(vtkTreeAMRVolumeMapper::COMPONENT);
+  volumeMapper_->SetVectorComponent(2);
+  volumeMapper_->SetSamplesPerCell(5.);
+  volumeMapper_->SetVertexCacheSize(77);
+  volumeMapper_->SkipEmptySpaceOff();
+  volumeMapper_->AutoAdjustSampleDistancesOff();
+  volumeMapper_->SetImageSampleDistance(2.);
+  volumeMapper_->SetMinimumImageSampleDistance(3.);
+  volumeMapper_->SetMaximumImageSampleDistance(4.);
+  volumeMapper_->SetInteractiveRenderTime(0.5);
+  volumeMapper_->SetLevelOfDetail(6.);
+  volumeMapper_->EstimateErrorOn();
+  volumeMapper_->SetTargetError(0.01);
+  volumeMapper_->ShowIsosurfacesOn();
+  volumeMapper_->SetIsosurfaceOpacityScale(0.7);
+  volumeMapper_->SetBlendModeToIsoSurface();
+  volumeMapper_->CroppingOn();
+  volumeMapper_->SetCroppingRegionPlanes(1., 2., 3., 4., 5., 6.);
+  volumeMapper_->SetCroppingRegionFlags(VTK_CROP_CROSS);
+  volumeMapper_->ComputeNormalFromOpacityOn();
+  volumeMapper_->AddClippingPlane(plane);
+  vtkNew<vtkTreeAMRVolumeMapper> volumeCopy;
+  volumeCopy->ShallowCopy(volumeMapper_);
+  EXPECT_EQ(settingsOf(volumeCopy), settingsOf(volumeMapper_));
+  EXPECT_EQ(volumeCopy->GetHyperTreeGrid(), grid_);
+  volumeMapper_->SelectScalarArray(1);
+  volumeCopy->ShallowCopy(volumeMapper_);
+  EXPECT_EQ(settingsOf(volumeCopy), settingsOf(volumeMapper_));
+
+  surfaceMapper_->SetValue(0, 0.1);
+  surfaceMapper_->SetValue(1, 0.2);
+  surfaceMapper_->SetIsosurfaceComponent(0);
+  surfaceMapper_->SetCompositeIndex(9);
+  surfaceMapper_->SetAmbientOcclusionSamples(7);
+  surfaceMapper_->SetAmbientOcclusionRadius(0.3);
+  surfaceMapper_->ShadowsOn();
+  surfaceMapper_->SetColorModeToDirectScalars();
+  vtkNew<vtkTreeAMRIsosurfaceMapper> surfaceCopy;
+  surfaceCopy->ShallowCopy(surfaceMapper_);
+  EXPECT_EQ(settingsOf(surfaceCopy), settingsOf(surfaceMapper_));
+  EXPECT_EQ(surfaceCopy->GetHyperTreeGrid(), grid_);
+  // The contoured array, too: the same picture.
+  surfaceMapper_->SetColorModeToDefault();
+  volume_->VisibilityOff();
+  const auto expected = scene_.render();
+  surfaceCopy->ShallowCopy(surfaceMapper_);
+  surface_->SetMapper(surfaceCopy);
+  EXPECT_EQ(scene_.render(), expected);
+
+  vtkNew<vtkTreeAMRVolumeMapper> empty;
+  volumeCopy->ShallowCopy(empty);
+  EXPECT_EQ(volumeCopy->GetHyperTreeGrid(), nullptr);
+}
+
+// As vtkPolyDataMapper follows its input: the grid alone is marked.
+TEST_F(MapperSettingsTest, valuesChangedInPlace)
+{
+  const auto before = scene_.render();
+  for (const char* name : { "x", "plane" })
+  {
+    vtkDataArray* array = grid_->GetCellData()->GetArray(name);
+    for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+    {
+      array->SetTuple1(i, array->GetTuple1(i) + 0.3);
+    }
+  }
+  EXPECT_EQ(scene_.render(), before);
+  grid_->Modified();
+  const auto after = scene_.render();
+  EXPECT_NE(after, before);
+  Scene fresh;
+  vtkNew<vtkHyperTreeGrid> copy;
+  copy->DeepCopy(grid_);
+  fresh.addVolume(copy, "x", { 1., 0.8, 0.6 }, 2.);
+  fresh.addIsosurface(copy, "plane", 0.)->SetPosition(2.5, 0., 0.);
+  fresh.setCamera();
+  EXPECT_EQ(fresh.render(), after);
+}
+
+TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
+{
+  MessageCounter messages(volumeMapper_);
+  vtkVolumeProperty* property = volume_->GetProperty();
+  vtkNew<vtkPlane> plane;
+  vtkNew<vtkPiecewiseFunction> function;
+  function->AddPoint(0., 0.);
+  function->AddPoint(1., 1.);
+  vtkNew<vtkColorTransferFunction> colors;
+  const auto expected = scene_.render();
+  property->GetGradientOpacity(); // makes one, 1 everywhere
+  EXPECT_EQ(scene_.render(), expected);
+  EXPECT_TRUE(messages.warnings.empty());
+  const std::vector<std::pair<std::string, std::function<void()>>> settings{
+    { "Cropping", [&] { volumeMapper_->CroppingOn(); } },
+    { "ClippingPlanes", [&] { volumeMapper_->AddClippingPlane(plane); } },
+    { "Shade", [&] { property->ShadeOn(); } },
+    { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
+    { "GradientOpacity", [&] { property->SetGradientOpacity(function); } },
+    { "TransferFunctionMode", [&] { property->SetTransferFunctionModeTo2D(); } },
+    { "IndependentComponents", [&] { property->IndependentComponentsOff(); } },
+    { "Color of a second component", [&] { property->SetColor(1, colors); } },
+    { "ComponentWeight", [&] { property->SetComponentWeight(0, 0.5); } },
+    { "labels", [&] { property->SetLabelScalarOpacity(1, function); } },
+    { "UseClippedVoxelIntensity", [&] { property->UseClippedVoxelIntensityOn(); } },
+    { "ScatteringAnisotropy", [&] { property->SetScatteringAnisotropy(0.5f); } },
+    { "ShaderProperty",
+      [&] { volume_->GetShaderProperty()->AddFragmentShaderReplacement("//VTK::Color", true, "//", true); } },
+    { "Hardware selection",
+      [&] {
+        vtkNew<vtkHardwareSelector> selector;
+        selector->SetRenderer(scene_.renderer);
+        selector->SetArea(0, 0, 50, 40);
+        vtkSmartPointer<vtkSelection>::Take(selector->Select());
+      } },
+  };
+  for (const auto& [name, set] : settings)
+  {
+    messages.warnings.clear();
+    set();
+    EXPECT_EQ(scene_.render(), expected) << name;
+    scene_.render();
+    ASSERT_EQ(messages.warnings.size(), 1u) << name;
+    EXPECT_NE(messages.warnings[0].find(name), std::string::npos) << messages.warnings[0];
+  }
+  EXPECT_TRUE(messages.errors.empty());
+  volumeMapper_->RemoveAllObservers();
+}
+
+// There Shade has something to light.
+TEST_F(MapperSettingsTest, shadeOfIsosurfacesInTheVolume)
+{
+  MessageCounter messages(volumeMapper_);
+  volume_->GetProperty()->ShadeOn();
+  volumeMapper_->ShowIsosurfacesOn();
+  scene_.render();
+  EXPECT_TRUE(messages.warnings.empty());
+  volumeMapper_->RemoveAllObservers();
+}
+
+TEST_F(MapperSettingsTest, surfaceSettingsWithoutEffect)
+{
+  MessageCounter messages(surfaceMapper_);
+  vtkProperty* property = surface_->GetProperty();
+  vtkNew<vtkPlane> plane;
+  vtkNew<vtkProperty> backface;
+  vtkNew<vtkTexture> texture;
+  const auto expected = scene_.render();
+  EXPECT_TRUE(messages.warnings.empty());
+  const std::vector<std::pair<std::string, std::function<void()>>> settings{
+    { "ClippingPlanes", [&] { surfaceMapper_->AddClippingPlane(plane); } },
+    { "Wireframe", [&] { property->SetRepresentationToWireframe(); } },
+    { "Points", [&] { property->SetRepresentationToPoints(); } },
+    { "EdgeVisibility", [&] { property->EdgeVisibilityOn(); } },
+    { "VertexVisibility", [&] { property->VertexVisibilityOn(); } },
+    { "PBR", [&] { property->SetInterpolationToPBR(); } },
+    { "BackfaceCulling", [&] { property->BackfaceCullingOn(); } },
+    { "FrontfaceCulling", [&] { property->FrontfaceCullingOn(); } },
+    { "BackfaceProperty", [&] { surface_->SetBackfaceProperty(backface); } },
+    { "Texture", [&] { property->SetTexture("albedoTex", texture); } },
+    { "RelativeCoincidentTopology",
+      [&] { surfaceMapper_->SetRelativeCoincidentTopologyPolygonOffsetParameters(1., 1.); } },
+    { "ShaderProperty",
+      [&] {
+        surface_->GetShaderProperty()->AddFragmentShaderReplacement("//VTK::Color", true, "//", true);
+      } },
+  };
+  for (const auto& [name, set] : settings)
+  {
+    messages.warnings.clear();
+    set();
+    EXPECT_EQ(scene_.render(), expected) << name;
+    scene_.render();
+    ASSERT_EQ(messages.warnings.size(), 1u) << name;
+    EXPECT_NE(messages.warnings[0].find(name), std::string::npos) << messages.warnings[0];
+  }
+  surfaceMapper_->RemoveAllObservers();
+}
