@@ -42,12 +42,14 @@ vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
 namespace
 {
 
+constexpr std::size_t allLayers = std::numeric_limits<std::size_t>::max();
+
 /// How many layers of an opacity let light through that 8 bits could show.
 std::size_t layersBeforeOpaque(double opacity)
 {
   if (!(opacity > 0.))
   {
-    return std::numeric_limits<std::size_t>::max();
+    return allLayers;
   }
   constexpr double nothing = 1. / 512.;
   return opacity >= 1. ? 1 : static_cast<std::size_t>(std::ceil(std::log(nothing) / std::log1p(-opacity)));
@@ -204,6 +206,11 @@ void vtkTreeAMRIsosurfaceMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetAmbientOcclusionSamples(other->AmbientOcclusionSamples);
     this->SetAmbientOcclusionRadius(other->AmbientOcclusionRadius);
     this->SetShadows(other->Shadows);
+    this->SetAutoAdjustSampleDistances(other->AutoAdjustSampleDistances);
+    this->SetImageSampleDistance(other->ImageSampleDistance);
+    this->SetMinimumImageSampleDistance(other->MinimumImageSampleDistance);
+    this->SetMaximumImageSampleDistance(other->MaximumImageSampleDistance);
+    this->SetInteractiveRenderTime(other->InteractiveRenderTime);
   }
 }
 
@@ -391,7 +398,10 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
   const treeamr::SurfaceLayers layers = view.Actor->IsRenderingTranslucentPolygonalGeometry()
     ? treeamr::SurfaceLayers::All
     : treeamr::SurfaceLayers::Nearest;
-  const std::size_t mostHits = layersBeforeOpaque(view.Actor->GetProperty()->GetOpacity());
+  // Translucent colours may let light through anywhere.
+  const std::size_t mostHits = this->HasTranslucentPolygonalGeometry()
+    ? allLayers
+    : layersBeforeOpaque(view.Actor->GetProperty()->GetOpacity());
   if (view.Surface != surface || view.Layers != layers)
   {
     view.SampleDistances = {};

@@ -29,8 +29,8 @@ std::string settingsOf(vtkObject* object)
   for (std::string line; std::getline(text, line);)
   {
     bool isOwn = false;
-    for (const char* own : { "0x", "Modified Time", "Reference Count", "TimeToDraw", "Time To Draw",
-           "Executive", "BuildTime", "Build Time" })
+    for (const char* own : { "0x", "Modified Time", "Reference Count", "Progress", "TimeToDraw",
+           "Time To Draw", "Executive", "BuildTime", "Build Time" })
     {
       isOwn = isOwn || line.find(own) != std::string::npos;
     }
@@ -104,6 +104,11 @@ TEST_F(MapperSettingsTest, shallowCopies)
   surfaceMapper_->SetAmbientOcclusionSamples(7);
   surfaceMapper_->SetAmbientOcclusionRadius(0.3);
   surfaceMapper_->ShadowsOn();
+  surfaceMapper_->AutoAdjustSampleDistancesOff();
+  surfaceMapper_->SetImageSampleDistance(2.);
+  surfaceMapper_->SetMinimumImageSampleDistance(3.);
+  surfaceMapper_->SetMaximumImageSampleDistance(4.);
+  surfaceMapper_->SetInteractiveRenderTime(0.5);
   surfaceMapper_->SetColorModeToDirectScalars();
   vtkNew<vtkTreeAMRIsosurfaceMapper> surfaceCopy;
   surfaceCopy->ShallowCopy(surfaceMapper_);
@@ -111,6 +116,7 @@ TEST_F(MapperSettingsTest, shallowCopies)
   EXPECT_EQ(surfaceCopy->GetHyperTreeGrid(), grid_);
   // The contoured array, too: the same picture.
   surfaceMapper_->SetColorModeToDefault();
+  surfaceMapper_->SetImageSampleDistance(1.);
   volume_->VisibilityOff();
   const auto expected = scene_.render();
   surfaceCopy->ShallowCopy(surfaceMapper_);
@@ -214,6 +220,7 @@ TEST_F(MapperSettingsTest, surfaceSettingsWithoutEffect)
   vtkNew<vtkPlane> plane;
   vtkNew<vtkProperty> backface;
   vtkNew<vtkTexture> texture;
+  texture->UseSRGBColorSpaceOn(); // or VTK refuses it
   const auto expected = scene_.render();
   EXPECT_TRUE(messages.warnings.empty());
   const std::vector<std::pair<std::string, std::function<void()>>> settings{
