@@ -108,13 +108,14 @@ TEST(FieldCache, SeesValuesOfAnArrayThatIsNotMarked)
   const auto grid = makeGrid({});
   const auto before = acquireField(grid, { "scalar" }, true);
   const auto beforeVector = acquireField(grid, { "vector", 2 }, true);
-  scalarOf(grid)->SetValue(3, 12345.);
+  const vtkIdType leaf = scalarOf(grid)->GetNumberOfValues() - 1;
+  scalarOf(grid)->SetValue(leaf, 12345.);
   grid->Modified();
   const auto after = acquireField(grid, { "scalar" }, true);
   EXPECT_NE(after, before);
   EXPECT_EQ(after->range().max, 12345.f);
   EXPECT_EQ(acquireField(grid, { "vector", 2 }, true), beforeVector);
-  scalarOf(grid)->SetValue(3, 54321.);
+  scalarOf(grid)->SetValue(leaf, 54321.);
   EXPECT_EQ(acquireField(grid, { "scalar" }, true)->range().max, 54321.f);
 }
 

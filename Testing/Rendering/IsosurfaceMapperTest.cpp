@@ -174,20 +174,6 @@ TEST_F(IsosurfaceMapperTest, onlyWhatChangedIsRebuilt)
   EXPECT_GT(mapper->GetSurfaceBuildTime(), second);
 }
 
-// The quad that carries the image has sides, too.
-TEST_F(IsosurfaceMapperTest, cullingOfFaces)
-{
-  Scene scene;
-  vtkActor* actor = scene.addIsosurface(planeGrid(), "plane", 0.);
-  scene.setCamera();
-  const auto pixels = scene.render();
-  actor->GetProperty()->FrontfaceCullingOn();
-  EXPECT_EQ(scene.render(), pixels);
-  actor->GetProperty()->FrontfaceCullingOff();
-  actor->GetProperty()->BackfaceCullingOn();
-  EXPECT_EQ(scene.render(), pixels);
-}
-
 TEST_F(IsosurfaceMapperTest, isovalueOutOfRange)
 {
   Scene scene;
@@ -331,8 +317,9 @@ TEST_F(IsosurfaceMapperTest, picking)
   Scene scene;
   const auto grid = planeGrid();
   vtkActor* surface = scene.addIsosurface(grid, "plane", 0.);
-  // Volumes are not picked, and hide nothing from picking.
-  scene.addVolume(grid, "x", { 1., 1., 1. }, 0.5);
+  // Volumes are not picked, which they say once, and hide nothing from picking.
+  vtkTreeAMRVolumeMapper* volumeMapper = Scene::mapperOf(scene.addVolume(grid, "x", { 1., 1., 1. }, 0.5));
+  MessageCounter messages(volumeMapper);
   vtkActor* rectangle =
     scene.addRectangle({ 0.9, 0.7, 1.2 }, { 0.4, 0., -0.2 }, { 0., 0.4, 0. }, { 1., 0., 0. });
   scene.setCamera();
@@ -362,6 +349,8 @@ TEST_F(IsosurfaceMapperTest, picking)
       }
     }
   }
+  EXPECT_EQ(messages.warnings.size(), 1u);
+  volumeMapper->RemoveAllObservers();
   EXPECT_GT(found[0], 5);
   EXPECT_GE(found[1], 1);
   EXPECT_GT(found[2], 5);

@@ -223,7 +223,10 @@ TEST_F(MapperErrorsTest, samplesPerCell)
         volumeMapper_->SetSamplesPerCell(std::numeric_limits<double>::quiet_NaN());
       }
     },
-    [&] { volumeMapper_->SetSamplesPerCell(2.); });
+    [&] {
+      isSet = false;
+      volumeMapper_->SetSamplesPerCell(2.);
+    });
   // As setters of VTK take what is out of range.
   for (const double samples : { 0., -1., 1e300 })
   {
