@@ -35,6 +35,16 @@ void main()
 }
 )";
 
+const char* const opaqueShader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+uniform sampler2D opaqueDepth;
+void main()
+{
+  gl_FragData[0] = texture2D(opaqueDepth, texCoord);
+}
+)";
+
 const char* const outsideShader = R"(//VTK::System::Dec
 //VTK::Output::Dec
 in vec2 texCoord;
@@ -139,6 +149,7 @@ constexpr float none = -1.f;
 //------------------------------------------------------------------------------
 vtkTreeAMRDepthPeeling::vtkTreeAMRDepthPeeling()
   : ProbeQuad(probeShader)
+  , OpaqueQuad(opaqueShader)
 {
 }
 
@@ -265,6 +276,34 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
 }
 
 //------------------------------------------------------------------------------
+bool vtkTreeAMRDepthPeeling::ReadOpaqueDepth(vtkRenderer* renderer, vtkAbstractMapper* mapper,
+  vtkProp* surface, int width, int height, std::vector<float>& depth)
+{
+  vtkOpenGLRenderPass* pass = FindPass(surface);
+  if (!pass)
+  {
+    return false;
+  }
+  std::string vertexShader;
+  std::string geometryShader;
+  std::string fragmentShader = "//VTK::DepthPeeling::Dec\n";
+  pass->PostReplaceShaderValues(vertexShader, geometryShader, fragmentShader, mapper, surface);
+  if (!declares(fragmentShader, "opaqueDepth"))
+  {
+    return false;
+  }
+  vtkShaderProgram* program = this->OpaqueQuad.Use(vtkTreeAMRFramebuffer::GetWindow(renderer));
+  pass->SetShaderParameters(program, mapper, surface, this->OpaqueQuad.GetVertexArray());
+  const std::vector<float> pairs = readDepths(program, "opaqueDepth", width, height);
+  depth.resize(pairs.size() / 2);
+  for (std::size_t i = 0; i < depth.size(); ++i)
+  {
+    depth[i] = pairs[2 * i + 1] == none ? 1.f : pairs[2 * i + 1];
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
 const char* vtkTreeAMRDepthPeeling::StageShader() const
 {
   switch (this->CurrentStage)
@@ -312,6 +351,7 @@ void vtkTreeAMRDepthPeeling::Draw(
 void vtkTreeAMRDepthPeeling::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->ProbeQuad.ReleaseGraphicsResources();
+  this->OpaqueQuad.ReleaseGraphicsResources();
   this->StageQuads.ReleaseGraphicsResources();
   this->Front.ReleaseGraphicsResources(window);
   this->Back.ReleaseGraphicsResources(window);

@@ -14,6 +14,8 @@
 #include "vtkTreeAMRQuad.h"
 #include "vtkTreeAMRRayImage.h"
 
+#include <vector>
+
 class vtkAbstractMapper;
 class vtkOpenGLRenderPass;
 class vtkProp;
@@ -39,6 +41,12 @@ public:
   /// The images of the two segments. Throws treeamr::Error.
   void Draw(vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back);
 
+  /// For a surface that is being rendered by the pass: window depths of what is opaque behind it, 1 where nothing is.
+  /// False when the pass does not tell, which it does when a frame's translucent surfaces are drawn for the first
+  /// time. Throws treeamr::Error.
+  bool ReadOpaqueDepth(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* surface, int width,
+    int height, std::vector<float>& depth);
+
   void ReleaseGraphicsResources(vtkWindow* window);
 
 private:
@@ -54,7 +62,8 @@ private:
 
   Stage CurrentStage = Stage::Outside;
   int LastFrontColorUnit = 0;
-  vtkTreeAMRQuad ProbeQuad; // never drawn: holds the texture units that the pass sets
+  vtkTreeAMRQuad ProbeQuad;  // never drawn: holds the texture units that the pass sets
+  vtkTreeAMRQuad OpaqueQuad; // nor this one
   vtkTreeAMRQuadSet StageQuads;
   vtkTreeAMRRayTexture Front{ "treeamrFront" };
   vtkTreeAMRRayTexture Back{ "treeamrBack" };

@@ -6,6 +6,7 @@
 #include "SurfaceColors.h"
 #include "SurfaceShading.h"
 #include "UnsupportedSettings.h"
+#include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
@@ -24,9 +25,11 @@
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPropCollection.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkTimerLog.h"
+#include "vtkVolume.h"
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
@@ -53,6 +56,29 @@ std::size_t layersBeforeOpaque(double opacity)
   }
   constexpr double nothing = 1. / 512.;
   return opacity >= 1. ? 1 : static_cast<std::size_t>(std::ceil(std::log(nothing) / std::log1p(-opacity)));
+}
+
+/// Whether depth peeling sorts nothing but this actor, among the renderer's own props.
+bool isAloneInPeeling(vtkRenderer* renderer, vtkActor* actor)
+{
+  bool found = false;
+  vtkPropCollection* props = renderer->GetViewProps();
+  vtkCollectionSimpleIterator at;
+  props->InitTraversal(at);
+  while (vtkProp* prop = props->GetNextProp(at))
+  {
+    if (prop == actor)
+    {
+      found = true;
+    }
+    else if (prop->GetVisibility() &&
+      (prop->HasTranslucentPolygonalGeometry() ||
+        (renderer->GetUseDepthPeelingForVolumes() && vtkVolume::SafeDownCast(prop))))
+    {
+      return false;
+    }
+  }
+  return found;
 }
 
 } // anonymous namespace
@@ -122,6 +148,7 @@ struct vtkTreeAMRIsosurfaceMapper::View
 struct vtkTreeAMRIsosurfaceMapper::Internals
 {
   vtkTreeAMRFramebuffer Framebuffer;
+  vtkTreeAMRDepthPeeling DepthPeeling;
   treeamr::FieldSlot ContourSlot;
   std::array<treeamr::FieldSlot, 4> ColorSlots; // of the components of a colour
   treeamr::CategorySlot CategorySlot;
@@ -569,6 +596,22 @@ void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<t
 }
 
 //------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceMapper::ReadDepthToFlatten(const View& view, std::vector<float>& depth)
+{
+  Internals& internals = *this->Private;
+  if (!vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
+  {
+    // VTK's order independent pass would average layers.
+    internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
+    return true;
+  }
+  // Each peel draws all layers: where nothing can lie between them, one is the same.
+  return isAloneInPeeling(view.Renderer, view.Actor) &&
+    internals.DepthPeeling.ReadOpaqueDepth(
+      view.Renderer, this, view.Actor, view.Viewport.Width, view.Viewport.Height, depth);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
 {
   Internals& internals = *this->Private;
@@ -591,11 +634,9 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
     property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid),
     internals.Image);
-  if (view.Layers == treeamr::SurfaceLayers::All && !vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
+  std::vector<float> depth;
+  if (view.Layers == treeamr::SurfaceLayers::All && this->ReadDepthToFlatten(view, depth))
   {
-    // VTK's order independent pass would average them.
-    std::vector<float> depth;
-    internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
     treeamr::flattenLayers(view.Hits, *view.Camera,
       view.Reduction.isFull() ? depth : view.Reduction.sample(depth), internals.Image);
   }
@@ -736,6 +777,7 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
 void vtkTreeAMRIsosurfaceMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Private->Framebuffer.ReleaseGraphicsResources(window);
+  this->Private->DepthPeeling.ReleaseGraphicsResources(window);
   for (const std::unique_ptr<View>& view : this->Private->Views)
   {
     view->Picture.ReleaseGraphicsResources(window);

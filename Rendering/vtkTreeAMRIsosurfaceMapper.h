@@ -184,6 +184,7 @@ private:
   treeamr::HitColors MapColors(View& view, vtkHyperTreeGrid* grid);
   double ChooseSampleDistance(View& view, bool isNew);
   void UpdateHits(View& view);
+  bool ReadDepthToFlatten(const View& view, std::vector<float>& depth);
   void Shade(View& view, vtkHyperTreeGrid* grid);
   void TraceVisibility(View& view, const std::vector<treeamr::Light>& lights);
   void Select(View& view);

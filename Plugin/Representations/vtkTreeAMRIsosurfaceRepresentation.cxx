@@ -106,6 +106,36 @@ void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionSamples(int samples)
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetAutoAdjustSampleDistances(bool adjust)
+{
+  this->Mapper->SetAutoAdjustSampleDistances(adjust);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetImageSampleDistance(double distance)
+{
+  this->Mapper->SetImageSampleDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetMinimumImageSampleDistance(double distance)
+{
+  this->Mapper->SetMinimumImageSampleDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetMaximumImageSampleDistance(double distance)
+{
+  this->Mapper->SetMaximumImageSampleDistance(distance);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetInteractiveRenderTime(double seconds)
+{
+  this->Mapper->SetInteractiveRenderTime(seconds);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionRadius(double radius)
 {
   this->Mapper->SetAmbientOcclusionRadius(radius);

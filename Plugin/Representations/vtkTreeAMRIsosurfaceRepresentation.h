@@ -27,6 +27,11 @@ public:
   void SetIsovalue(int index, double value);
   void SetNumberOfIsovalues(int number);
   void SetAmbientOcclusionSamples(int samples);
+  void SetAutoAdjustSampleDistances(bool adjust);
+  void SetImageSampleDistance(double distance);
+  void SetMinimumImageSampleDistance(double distance);
+  void SetMaximumImageSampleDistance(double distance);
+  void SetInteractiveRenderTime(double seconds);
   void SetAmbientOcclusionRadius(double radius);
   void SetShadows(bool shadows);
   ///@}

@@ -5,6 +5,7 @@
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
+#include "Support/Targets.h"
 
 #include <gtest/gtest.h>
 
@@ -549,6 +550,53 @@ TEST(Isosurface, FramesAreThoseOfSingleRays)
       }
     }
     EXPECT_EQ(hits != 0, name != std::string("turned away"));
+  }
+}
+
+// Frames cross blocks by the vectorised kernel, single rays by the scalar walk.
+TEST(Isosurface, FramesAreTheSameOnEveryInstructionSet)
+{
+  const RandomTree options{ 12, { 2, 1, 1 }, 4, 0.6, 0.1, false };
+  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  const Isosurface surface(field, { -0.4, -0.2, -0.1, 0., 0.1, 0.3 }); // more than the kernel takes at once
+  for (const Matrix4& projection : { perspective(50., 1., 20.), parallel(1.2, 1., 20.) })
+  {
+    // Along an axis: in parallel projection rays run along planes of the grid.
+    const Camera camera(
+      multiply(projection, lookAt({ 6., 0.5, 0.5 }, { 1., 0.5, 0.5 })), identityMatrix, 64, 48);
+    forEachTarget([&](const char* target) {
+      SCOPED_TRACE(target);
+      HitImage all;
+      HitImage nearest;
+      HitImage few;
+      constexpr std::size_t most = 3;
+      surface.render(camera, SurfaceLayers::All, all);
+      surface.render(camera, SurfaceLayers::Nearest, nearest);
+      surface.render(camera, SurfaceLayers::All, few, most);
+      std::size_t cut = 0;
+      for (int pixel = 0; pixel < 64 * 48; ++pixel)
+      {
+        const Ray ray = camera.ray(pixel % 64, pixel / 64);
+        std::vector<SurfaceHit> expected;
+        surface.intersectAll(ray, camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), expected);
+        const auto expectSame = [&](const HitImage& image, std::size_t count) {
+          ASSERT_EQ(image.first[pixel + 1] - image.first[pixel], count) << pixel;
+          for (std::size_t k = 0; k < count; ++k)
+          {
+            const SurfaceHit& hit = image.hits[image.first[pixel] + k];
+            ASSERT_EQ(hit.t, expected[k].t) << pixel;
+            ASSERT_EQ(hit.surface, expected[k].surface);
+            ASSERT_EQ(hit.gradient, expected[k].gradient);
+            ASSERT_EQ(hit.normal, expected[k].normal);
+          }
+        };
+        expectSame(all, expected.size());
+        expectSame(few, std::min(most, expected.size()));
+        expectSame(nearest, std::min<std::size_t>(1, expected.size()));
+        cut += expected.size() > most ? 1 : 0;
+      }
+      EXPECT_GT(cut, 100u);
+    });
   }
 }
 

@@ -16,9 +16,9 @@ inline constexpr double depthTolerance = 1e-6;
 /// Half a root cell from the domain's edge the field is extrapolated: compare inside.
 inline constexpr double reach = 0.75;
 
-inline bool isInside(const Point& p)
+inline bool isInside(const Point& p, double within = reach)
 {
-  return std::abs(p[0]) <= reach && std::abs(p[1]) <= reach && std::abs(p[2]) <= reach;
+  return std::abs(p[0]) <= within && std::abs(p[1]) <= within && std::abs(p[2]) <= within;
 }
 
 inline double windowDepth(const Scene& scene, const Point& p)
@@ -64,7 +64,7 @@ protected:
       center, { 2. * u[0], 2. * u[1], 2. * u[2] }, { 2. * v[0], 2. * v[1], 2. * v[2] }, { 1., 1., 1. });
   }
 
-  static void expectPlaneDepths(Scene& scene, vtkActor* actor)
+  static void expectPlaneDepths(Scene& scene, vtkActor* actor, double within = reach)
   {
     scene.render();
     const std::vector<float> depths = scene.depths();
@@ -76,7 +76,7 @@ protected:
         const PixelRay ray = scene.ray(x, y);
         const PixelRay dataRay = Scene::inDataOf(actor, ray);
         const double s = Scene::meet(dataRay, center, normal);
-        if (!(s > 0. && s < 1.) || !isInside(dataRay.at(s)))
+        if (!(s > 0. && s < 1.) || !isInside(dataRay.at(s), within))
         {
           continue;
         }
