@@ -250,6 +250,39 @@ inline Cubic alongCrossing(
     y[0][2] + from[2] * d[2] + dz * d[1], dz * d[2] };
 }
 
+/// The field less the isovalue where a ray enters or leaves an octant, 0 where it may be: from the vertices of the seam
+/// alone, as the neighbour sees them. Where vertices differ by many orders of magnitude, the cubic of the crossing has
+/// the digits of the largest only. placeError: bound of the place's, in octants.
+inline double onSeam(
+  const SurfaceRecord& record, double isovalue, int octant, const Vec3& place, double placeError) noexcept
+{
+  std::array<std::array<double, 2>, 3> weights;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double within = 4. * placeError;
+    const double f = place[a] <= within ? 0. : place[a] >= 1. - within ? 1. : place[a];
+    weights[a] = { 1. - f, f };
+  }
+  const double* v = record.values.data() + firstVertex(octant);
+  double value = 0.;
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (int c = 0; c < 8; ++c)
+  {
+    const double weight = weights[0][c & 1] * weights[1][c >> 1 & 1] * weights[2][c >> 2];
+    if (weight != 0.)
+    {
+      const double vertex = v[(c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)];
+      value += weight * (vertex - isovalue);
+      low = std::min(low, vertex);
+      high = std::max(high, vertex);
+    }
+  }
+  const double tolerance =
+    SurfaceRecord::rounding * std::max(std::abs(low), std::abs(high)) + placeError * (high - low);
+  return std::abs(value) <= tolerance ? 0. : value;
+}
+
 /// d value / d coordinate of the planes.
 struct PlaceGradients
 {

@@ -52,19 +52,17 @@ inline double closeBracket(const Cubic& c, double a, double b, double atA, doubl
   return s;
 }
 
-/// Calls visit(root) for the roots in [0, 1], ascending, until it returns true, and returns whether it did. At
-/// both ends, where the next piece of a ray has a cubic of its own, a value of at most `tolerance` counts as
-/// zero: roots on the seam belong to both. Coefficients must be finite.
+/// Calls visit(root) for the roots in [0, 1], ascending, until it returns true, and returns whether it did. first,
+/// last: what the values at the ends count as, of the signs that the next pieces of a ray, which have cubics of their
+/// own, begin and end with: zero is a root. None where the cubic stays above or below zero by more than `slack`.
+/// Coefficients must be finite.
 template <class Visit>
-bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
+bool visitRoots(const Cubic& c, double first, double last, double slack, const Visit& visit)
 {
-  double before = c[0];
-  const double last = evaluate(c, 1.);
   // The cubic lies in the hull of its Bernstein coefficients.
   const double second = c[0] + c[1] * (1. / 3.);
   const double third = c[0] + (2. * c[1] + c[2]) * (1. / 3.);
-  if (std::min({ before, second, third, last }) > tolerance ||
-    std::max({ before, second, third, last }) < -tolerance)
+  if (std::min({ first, second, third, last }) > slack || std::max({ first, second, third, last }) < -slack)
   {
     return false;
   }
@@ -89,7 +87,7 @@ bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
     }
     knots[pieces] = 1.;
   }
-  before = std::abs(before) <= tolerance ? 0. : before;
+  double before = first;
   if (before == 0. && visit(0.))
   {
     return true;
@@ -97,8 +95,7 @@ bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
   for (int i = 0; i < pieces; ++i)
   {
     const bool isLast = i + 1 == pieces;
-    double after = isLast ? last : evaluate(c, knots[i + 1]);
-    after = isLast && std::abs(after) <= tolerance ? 0. : after;
+    const double after = isLast ? last : evaluate(c, knots[i + 1]);
     if (before != 0. && after != 0. && (before < 0.) != (after < 0.) &&
       visit(closeBracket(c, knots[i], knots[i + 1], before, after)))
     {
@@ -111,6 +108,14 @@ bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
     before = after;
   }
   return false;
+}
+
+/// The same with values at the ends of at most `tolerance` as zero: roots on the seam belong to both pieces.
+template <class Visit>
+bool visitRoots(const Cubic& c, double tolerance, const Visit& visit)
+{
+  const auto at = [tolerance](double value) { return std::abs(value) <= tolerance ? 0. : value; };
+  return visitRoots(c, at(c[0]), at(evaluate(c, 1.)), tolerance, visit);
 }
 
 } // namespace treeamr

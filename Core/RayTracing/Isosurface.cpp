@@ -293,13 +293,51 @@ struct Isosurface::Impl
     });
   }
 
-  /// How far from zero a value may be on the seam of two octants that is zero on it.
-  static double toleranceOf(
-    const SurfaceRecord& record, const BlockPlanes& planes, const Query& query) noexcept
+  /// Bound of the error of a place in an octant of the block.
+  static double placeError(const BlockPlanes& planes, const Query& query) noexcept
   {
     const double perWidth =
       std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] });
-    return record.tolerance + record.hull * query.rounding * perWidth;
+    return query.rounding * perWidth;
+  }
+
+  /// The roots on a crossing; get: the crossing, for mixed records only.
+  template <class Get, class Visit>
+  static void visitCrossing(const SurfaceRecord& record, const BlockPlanes& planes, const Query& query,
+    double isovalue, const Cubic& cubic, double tolerance, const Get& get, const Visit& visit)
+  {
+    if (!record.isMixed())
+    {
+      visitRoots(cubic, tolerance, visit);
+      return;
+    }
+    const OctantCrossing& crossing = get();
+    const auto at = [&](const Vec3& place) {
+      return onSeam(record, isovalue, crossing.octant, place, placeError(planes, query));
+    };
+    visitRoots(cubic, at(crossing.from), at(crossing.to), 0., visit);
+  }
+
+  /// Calls visit(surface, crossing, s) for the roots of single rays, of each surface's on a crossing until it returns
+  /// true, and goesOn() after each crossing.
+  template <class Visit, class GoesOn>
+  void visitHits(const SurfaceRecord& record, const BlockPlanes& planes, const Query& query,
+    const double& limit, const Visit& visit, const GoesOn& goesOn) const
+  {
+    // How far from zero a value may be on the seam of two octants that is zero on it.
+    const double tolerance = record.tolerance + record.hull() * placeError(planes, query);
+    walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, limit,
+      [&](const OctantCrossing& crossing) {
+        for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
+        {
+          const double isovalue = blocks.isovalues()[surface];
+          visitCrossing(
+            record, planes, query, isovalue, alongCrossing(record, isovalue, crossing), tolerance,
+            [&]() -> const OctantCrossing& { return crossing; },
+            [&](double s) { return visit(surface, crossing, s); });
+        }
+        return goesOn();
+      });
   }
 
   /// Makes a root the query's nearest hit when it is.
@@ -321,19 +359,14 @@ struct Isosurface::Impl
   bool nearestInBlock(
     std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes, Query& query) const
   {
-    const double tolerance = toleranceOf(record, planes, query);
     bool closer = false;
-    walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, query.nearest.t,
-      [&](const OctantCrossing& crossing) {
-        for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
-        {
-          visitRoots(alongCrossing(record, blocks.isovalues()[surface], crossing), tolerance, [&](double s) {
-            closer = takeNearest(block, surface, crossing, s, query) || closer;
-            return true;
-          });
-        }
-        return !closer;
-      });
+    visitHits(
+      record, planes, query, query.nearest.t,
+      [&](std::uint32_t surface, const OctantCrossing& crossing, double s) {
+        closer = takeNearest(block, surface, crossing, s, query) || closer;
+        return true;
+      },
+      [&] { return !closer; });
     return closer;
   }
 
@@ -363,18 +396,13 @@ struct Isosurface::Impl
   void collectInBlock(
     std::uint32_t block, const SurfaceRecord& record, const BlockPlanes& planes, Query& query) const
   {
-    const double tolerance = toleranceOf(record, planes, query);
-    walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, query.tLeave,
-      [&](const OctantCrossing& crossing) {
-        for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)
-        {
-          visitRoots(alongCrossing(record, blocks.isovalues()[surface], crossing), tolerance, [&](double s) {
-            collect(block, surface, record, planes, crossing, s, *query.all);
-            return false;
-          });
-        }
-        return true;
-      });
+    visitHits(
+      record, planes, query, query.tLeave,
+      [&](std::uint32_t surface, const OctantCrossing& crossing, double s) {
+        collect(block, surface, record, planes, crossing, s, *query.all);
+        return false;
+      },
+      [] { return true; });
   }
 
   /// The same for rays side by side. cut(k, t): those of ray first + k need not be asked about beyond t.
@@ -395,24 +423,29 @@ struct Isosurface::Impl
         const auto number = static_cast<std::size_t>(candidates.ray(i));
         Query& query = tile.queries[number];
         const auto surface = static_cast<std::uint32_t>(s0) + candidates.isovalue(i);
-        std::optional<OctantCrossing> crossing;
-        visitRoots(candidates.along(i), candidates.tolerance[i], [&](double s) {
-          if (!crossing)
+        std::optional<OctantCrossing> made;
+        const auto crossing = [&]() -> const OctantCrossing& {
+          if (!made)
           {
-            crossing.emplace(planes, query.ray, candidates.octant(i), candidates.t0[i], candidates.t1[i]);
+            made.emplace(planes, query.ray, candidates.octant(i), candidates.t0[i], candidates.t1[i]);
           }
+          return *made;
+        };
+        const auto visit = [&](double s) {
           if (query.all)
           {
-            collect(block, surface, record, planes, *crossing, s, *query.all);
+            collect(block, surface, record, planes, crossing(), s, *query.all);
             return false;
           }
-          if (takeNearest(block, surface, *crossing, s, query))
+          if (takeNearest(block, surface, crossing(), s, query))
           {
             tile.slabs.limit[number] = query.nearest.t;
             cut(number - first, query.nearest.t);
           }
           return true;
-        });
+        };
+        visitCrossing(record, planes, query, isovalues[surface], candidates.along(i), candidates.tolerance[i],
+          crossing, visit);
       }
     }
     for (unsigned k = 0; k < count; ++k)

@@ -230,7 +230,7 @@ std::size_t SurfaceBlocks::byteSize() const noexcept
   return blocks_.capacity() * sizeof(blocks_[0]);
 }
 
-std::uint64_t SurfaceBlocks::activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept
+void SurfaceBlocks::findActiveOctants(SurfaceRecord& record, unsigned drawn) const noexcept
 {
   std::uint64_t octants = 0;
   for (; drawn != 0; drawn &= drawn - 1)
@@ -249,7 +249,16 @@ std::uint64_t SurfaceBlocks::activeOctants(const SurfaceRecord& record, unsigned
       active |= static_cast<std::uint64_t>(low[o] <= above && high[o] >= below) << o;
     }
   }
-  return active & octants;
+  record.active = active & octants;
+  // An octant that is narrower by far has its digits in the double precision of the block, but not in its tolerance.
+  constexpr double mixed = 0x1p-20;
+  double narrowest = record.hull();
+  for (std::uint64_t rest = record.active; rest != 0; rest &= rest - 1)
+  {
+    const int o = std::countr_zero(rest);
+    narrowest = std::min(narrowest, high[o] - low[o]);
+  }
+  record.signedHull = std::copysign(record.signedHull, narrowest < mixed * record.hull() ? -1. : 1.);
 }
 
 void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept
@@ -274,10 +283,10 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
     }
   }
   const auto [low, high] = std::minmax_element(record.values.begin(), record.values.end());
-  record.hull = *high - *low;
+  record.signedHull = *high - *low;
   // Isovalues that pass through are no larger.
-  record.tolerance = 0x1p-49 * std::max(std::abs(*low), std::abs(*high));
-  record.active = activeOctants(record, drawn);
+  record.tolerance = SurfaceRecord::rounding * std::max(std::abs(*low), std::abs(*high));
+  findActiveOctants(record, drawn);
 }
 
 const SurfaceRecord& SurfaceBlocks::compute(SurfaceBlock& block) const

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -64,7 +65,14 @@ struct alignas(64) SurfaceRecord
   std::array<double, 125> values; // order of BlockValues
   std::uint64_t active;           // octants x + 4 y + 16 z of drawn leaves that an isovalue passes through
   double tolerance;               // bound of the rounding errors of interpolated values
-  double hull;                    // largest less least value
+  double signedHull;              // see hull() and isMixed()
+
+  /// Of the tolerance, to the largest value.
+  static constexpr double rounding = 0x1p-49;
+  /// Largest less least value.
+  double hull() const noexcept { return std::abs(signedHull); }
+  /// Whether some octant's values differ so little beside the hull that the tolerance is too wide for it.
+  bool isMixed() const noexcept { return signedHull < 0.; }
 
   /// Announces that it will be read.
   void prefetch() const noexcept
@@ -122,8 +130,9 @@ private:
   Worker& worker() const;
   void evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept;
   const SurfaceRecord& compute(SurfaceBlock& block) const;
-  /// Which octants of drawn leaves an isovalue passes through.
-  std::uint64_t activeOctants(const SurfaceRecord& record, unsigned drawn) const noexcept;
+  /// Which octants of drawn leaves an isovalue passes through, of a record's values and tolerance; and whether it is
+  /// mixed.
+  void findActiveOctants(SurfaceRecord& record, unsigned drawn) const noexcept;
 
   std::shared_ptr<const Field> field_;
   std::vector<double> isovalues_;

@@ -574,7 +574,7 @@ private:
   struct Block
   {
     const std::uint16_t* steps;
-    const float* exact; // null unless steps are too coarse
+    const float* exact; // places in the table, not cut off at its ends; null unless steps are too coarse
     ToTable toTable;
     float variation; // of the extinction over the block's hull, per kernel unit
     bool preIntegrate;
@@ -641,12 +641,16 @@ private:
       {
         compute(cells);
       }
+      // Places in the table at once: a difference from a huge end of the hull would have lost the other values'
+      // digits. So far away, all that matters is that they are finite.
+      constexpr double far = 0x1p100;
       for (std::size_t i = 0; i < values_.values.size(); ++i)
       {
-        exact_[i] = values_.values[i] - range.min;
+        exact_[i] = static_cast<float>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
       }
       block.exact = exact_;
-      block.toTable.scale = static_cast<float>(scale);
+      block.toTable.scale = 1.f;
+      block.toTable.offset = 0.f;
     }
     return true;
   }

@@ -118,7 +118,7 @@ private:
   }
 };
 
-/// Vertex values less the lower end of their hull, where a step of it is too coarse.
+/// Vertex values as they are, where a step of their hull is too coarse.
 struct ExactValues
 {
   const float* values;

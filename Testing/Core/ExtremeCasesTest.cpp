@@ -108,6 +108,50 @@ TEST(ExtremeCases, SurfaceOfValuesFrom1em40To1e38)
   expectAtMost(largest, 1e-3, "of a cell's width");
 }
 
+namespace
+{
+
+/// Of values from 0 to 8, but for a few small cells.
+std::vector<LeafCell> cellsWith(float other)
+{
+  auto cells = randomCells();
+  std::size_t small = 0;
+  for (LeafCell& c : cells)
+  {
+    c.value = c.cell.level == 4 && small++ % 300 == 7 ? other : 4.f + 4.f * c.value;
+  }
+  return cells;
+}
+
+} // namespace
+
+TEST(ExtremeCases, VolumeBesideHugeValues)
+{
+  // At seams to them the field jumps, where samples err by their distance: so many that this does not count.
+  double largest = 0.;
+  const TransferFunction colors(0., 8., smooth(5.).entries());
+  for (const float huge : { -1e30f, 1e30f, -1e20f, -1e9f, 3e37f })
+  {
+    ExactScene scene({ 2, 2, 2 }, cellsWith(huge));
+    largest = std::max(largest, scene.volumeError(colors, outside(), 1, 4096.));
+    EXPECT_GT(scene.brightest(), 0.8);
+  }
+  expectAtMost(largest, halfAStep, "of a channel");
+}
+
+TEST(ExtremeCases, SurfaceBesideHugeValues)
+{
+  // No pixel in the middle: its ray would meet the vertex that the camera looks at.
+  double largest = 0.;
+  for (const float huge : { -1e30f, 1e30f, -1e20f, 1e9f, -1e6f, 3e37f })
+  {
+    ExactScene scene({ 2, 2, 2 }, cellsWith(huge));
+    largest = std::max(largest, scene.surfaceError(4.1, outside(38, 32), std::ldexp(1., -4)));
+    EXPECT_GT(scene.hits(), 1000u);
+  }
+  expectAtMost(largest, 1e-5, "of a cell's width");
+}
+
 TEST(ExtremeCases, VolumeWhereHugeNumbersChangeSign)
 {
   auto cells = randomCells();

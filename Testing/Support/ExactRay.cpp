@@ -36,7 +36,7 @@ long double ExactRay::Octant::at(long double part) const
     const long double x = from[a] + part * (to[a] - from[a]);
     for (int i = 0; i < n; ++i)
     {
-      v[i] = v[2 * i] + x * (v[2 * i + 1] - v[2 * i]);
+      v[i] = (1.L - x) * v[2 * i] + x * v[2 * i + 1]; // exact at both ends, whatever the other end is
     }
   }
   return v[0];
@@ -86,8 +86,14 @@ void ExactRay::forEachOctant(
     {
       const Coord low = 2 * half * leaf->index[a];
       corner[a] = low + (at(a, middle) * perRoot >= low + half ? half : 0);
-      octant.from[a] = (at(a, octant.t0) * perRoot - corner[a]) / half;
-      octant.to[a] = (at(a, octant.t1) * perRoot - corner[a]) / half;
+      const auto place = [&](long double t) {
+        // On a seam exactly, so that vertices beside it have no part.
+        const long double rounding = 0x1p-58L * perRoot / half; // of coordinates of a few roots
+        const long double x = (at(a, t) * perRoot - corner[a]) / half;
+        return std::abs(x) < rounding ? 0.L : std::abs(x - 1.L) < rounding ? 1.L : x;
+      };
+      octant.from[a] = place(octant.t0);
+      octant.to[a] = place(octant.t1);
     }
     for (int c = 0; c < 8; ++c)
     {
