@@ -218,6 +218,7 @@ void vtkTreeAMRContourFilter::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
   this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "Component: " << this->Component << "\n";
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
@@ -303,7 +304,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
 {
   const std::string contouredName =
     NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
-  const auto field = treeamr::acquireField(input, { contouredName, 0 }, true);
+  const auto field = treeamr::acquireField(input, { contouredName, this->Component }, true);
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;

@@ -8,8 +8,8 @@
  * order of a triangle's points point to lower values, as those of vtkContourFilter do. Points are double
  * precision.
  *
- * SetInputArrayToProcess() chooses the cell array, the active scalars by default; of several components the
- * first counts. Every other numeric cell array (but vtkGhostType), or those that GetCellDataArraySelection()
+ * SetInputArrayToProcess() chooses the cell array, the active scalars by default, and SetComponent() which of its
+ * components counts. Every other numeric cell array (but vtkGhostType), or those that GetCellDataArraySelection()
  * enables, is interpolated at the points, component by component: arrays of double give double, all others float. A
  * point is NaN where an array has no finite value in the cells around. Of whole numbers beyond 2^24, which single
  * precision rounds, a warning says so. See HyperTreeGridConverter.h for the cells that are drawn.
@@ -47,6 +47,14 @@ public:
   vtkIdType GetNumberOfContours();
   void GenerateValues(int numContours, double range[2]);
   void GenerateValues(int numContours, double rangeStart, double rangeEnd);
+  ///@}
+
+  ///@{
+  /**
+   * Component of the contoured array; -1 for the magnitude. Default 0, the first.
+   */
+  vtkSetMacro(Component, int);
+  vtkGetMacro(Component, int);
   ///@}
 
   /**
@@ -97,6 +105,7 @@ protected:
 
   vtkNew<vtkContourValues> ContourValues;
   vtkNew<vtkDataArraySelection> CellDataArraySelection;
+  int Component = 0;
   bool ComputeNormals = true;
   bool ComputeGradients = false;
   bool ComputeScalars = true;

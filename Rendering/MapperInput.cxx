@@ -6,7 +6,9 @@
 #include "vtkBitArray.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
+#include "vtkDataObject.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
 #include "vtkMath.h"
 
 #include <algorithm>
@@ -77,6 +79,12 @@ std::string defaultCellArrayName(vtkHyperTreeGrid* grid)
     }
   }
   return {};
+}
+
+std::string processedArrayName(vtkAlgorithm* algorithm, vtkHyperTreeGrid* grid)
+{
+  const char* name = algorithm->GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_NAME());
+  return name && *name ? name : defaultCellArrayName(grid);
 }
 
 std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,

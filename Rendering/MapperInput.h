@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+class vtkAlgorithm;
 class vtkHyperTreeGrid;
 
 namespace treeamr
@@ -26,6 +27,8 @@ vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid);
 std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId);
 /// The active scalars, else the first array; empty when the grid has no array.
 std::string defaultCellArrayName(vtkHyperTreeGrid* grid);
+/// Of the array that an algorithm is to process, or else that one.
+std::string processedArrayName(vtkAlgorithm* algorithm, vtkHyperTreeGrid* grid);
 
 /// The array that ScalarMode, ArrayAccessMode, ArrayId and ArrayName of a VTK mapper mean. `fallback` is
 /// meant by modes that name no array. Throws Error for modes of point or field data, which hyper tree grids

@@ -347,9 +347,7 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
     throw treeamr::Error("isosurface mapper: no input, needed is a vtkHyperTreeGrid");
   }
   treeamr::ArraySelection contoured;
-  vtkInformation* array = this->GetInputArrayInformation(0);
-  const char* name = array->Get(vtkDataObject::FIELD_NAME());
-  contoured.name = name && *name ? name : treeamr::defaultCellArrayName(grid);
+  contoured.name = treeamr::processedArrayName(this, grid);
   contoured.component = this->IsosurfaceComponent;
   Internals& internals = *this->Private;
   const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured, true);

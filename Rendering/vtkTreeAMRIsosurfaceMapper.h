@@ -33,6 +33,8 @@
  * sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. What it cannot do
  * warns once when it is asked for: clipping planes, wireframe, points, edges, culling, backface properties, textures,
  * physically based shading, shader code. Needs an OpenGL window.
+ *
+ * VTK's exporters write polygons alone: they leave this mapper out unless its actor is a vtkTreeAMRIsosurfaceActor.
  */
 
 #ifndef vtkTreeAMRIsosurfaceMapper_h

@@ -1,6 +1,5 @@
 #include "vtkTreeAMRIsosurfaceRepresentation.h"
 
-#include "vtkActor.h"
 #include "vtkAlgorithmOutput.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -9,6 +8,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkProperty.h"
 #include "vtkScalarsToColors.h"
+#include "vtkTreeAMRIsosurfaceActor.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceRepresentation);

@@ -6,9 +6,9 @@
 #include "vtkNew.h" // for members
 #include "vtkTreeAMRRepresentation.h"
 
-class vtkActor;
 class vtkProperty;
 class vtkScalarsToColors;
+class vtkTreeAMRIsosurfaceActor;
 class vtkTreeAMRIsosurfaceMapper;
 
 class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRIsosurfaceRepresentation : public vtkTreeAMRRepresentation
@@ -65,7 +65,7 @@ private:
   vtkTreeAMRIsosurfaceRepresentation(const vtkTreeAMRIsosurfaceRepresentation&) = delete;
   void operator=(const vtkTreeAMRIsosurfaceRepresentation&) = delete;
 
-  vtkNew<vtkActor> Actor;
+  vtkNew<vtkTreeAMRIsosurfaceActor> Actor;
   vtkNew<vtkProperty> Property;
   vtkNew<vtkTreeAMRIsosurfaceMapper> Mapper;
   std::string IsosurfaceArray;

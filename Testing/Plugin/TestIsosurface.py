@@ -1,5 +1,8 @@
 """The representation `Tree AMR Isosurface`."""
 
+import json
+import os
+import sys
 
 import numpy
 from paraview import simple
@@ -190,6 +193,32 @@ for name, values in (('big', numpy.linspace(100, 200, n)), ('v', numpy.linspace(
             centre = image[image.shape[0] // 2, image.shape[1] // 2]
             self.assertEqual(hidden == "surface", centre[0] == 0)
             self.assertEqual(hidden == "ball", centre[2] == 0)
+
+    def test_exporters(self):
+        """They write both surfaces, as triangles in the colours of the array."""
+        self.representation.Isovalues = [30.0, 2.0]
+        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        self.representation.LookupTable.RGBPoints = [2, 0, 0, 1, 30, 1, 0, 0]
+        simple.Render(self.view)
+        contour = simple.TreeAMRContour(
+            Input=self.source, ContourBy=["CELLS", "xyz"], Isosurfaces=[30.0, 2.0])
+        contour.UpdatePipeline()
+        points, triangles = (f() for f in (contour.GetDataInformation().GetNumberOfPoints,
+                                           contour.GetDataInformation().GetNumberOfCells))
+
+        def exported(extension):
+            path = os.path.join(sys.argv[-1], "isosurface." + extension)
+            simple.ExportView(path, view=self.view)
+            with open(path, encoding="utf-8") as file:
+                return file.read()
+
+        gltf = json.loads(exported("gltf"))
+        (primitive,) = gltf["meshes"][0]["primitives"]
+        self.assertEqual(points, gltf["accessors"][primitive["attributes"]["POSITION"]]["count"])
+        self.assertEqual(points, gltf["accessors"][primitive["attributes"]["COLOR_0"]]["count"])
+        self.assertEqual(3 * triangles, gltf["accessors"][primitive["indices"]]["count"])
+        self.assertEqual(triangles, exported("vrml").count(", -1,\n"))
+        self.assertIn("<Color ", exported("x3d"))
 
 
 if __name__ == "__main__":

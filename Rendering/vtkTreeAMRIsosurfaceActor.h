@@ -1,0 +1,46 @@
+/**
+ * @class   vtkTreeAMRIsosurfaceActor
+ * @brief   actor of a vtkTreeAMRIsosurfaceMapper that VTK's exporters write
+ *
+ * GetActors(), which exporters (glTF, OBJ, X3D, VRML and others of vtkExporter) get their geometry by, gives an actor of
+ * polygons in the place of this one: of the same matrix, property and visibility, with the triangles of
+ * vtkTreeAMRContourFilter in the colours and opacities that the mapper shows. They are computed when an exporter
+ * updates that actor's mapper, not before, and kept until this actor is rendered again.
+ *
+ * In everything else it is a vtkActor: with another mapper, when rendered, selected or picked, and in
+ * vtkRenderer::GetViewProps(). vtkRenderer::GetActors() contains the actor of polygons, which the next GetActors() sets
+ * as this one is: change this one.
+ */
+
+#ifndef vtkTreeAMRIsosurfaceActor_h
+#define vtkTreeAMRIsosurfaceActor_h
+
+#include "vtkOpenGLActor.h"
+#include "vtkTreeAMRRenderingModule.h" // for the export macro
+
+#include <memory> // for std::unique_ptr
+
+class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRIsosurfaceActor : public vtkOpenGLActor
+{
+public:
+  static vtkTreeAMRIsosurfaceActor* New();
+  vtkTypeMacro(vtkTreeAMRIsosurfaceActor, vtkOpenGLActor);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  void GetActors(vtkPropCollection* actors) override;
+  void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
+
+protected:
+  vtkTreeAMRIsosurfaceActor();
+  ~vtkTreeAMRIsosurfaceActor() override;
+
+private:
+  struct Polygons;
+
+  std::unique_ptr<Polygons> Exported; // once an exporter has asked
+
+  vtkTreeAMRIsosurfaceActor(const vtkTreeAMRIsosurfaceActor&) = delete;
+  void operator=(const vtkTreeAMRIsosurfaceActor&) = delete;
+};
+
+#endif
