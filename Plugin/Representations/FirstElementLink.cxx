@@ -28,18 +28,31 @@ void FirstElementLink::Connect(vtkSMProperty* list, vtkSMProperty* first)
 }
 
 //------------------------------------------------------------------------------
+template <class Set>
+void FirstElementLink::Change(const Set& set)
+{
+  // Each change would call the other for ever: a NaN never is the value that a property has already.
+  if (!this->IsChanging)
+  {
+    this->IsChanging = true;
+    set();
+    this->IsChanging = false;
+  }
+}
+
+//------------------------------------------------------------------------------
 void FirstElementLink::ListModified()
 {
-  // A property that has the value already is not modified: the two do not call each other for ever.
   vtkSMPropertyHelper list(this->List);
   if (list.GetNumberOfElements() > 0)
   {
-    vtkSMPropertyHelper(this->First).Set(list.GetAsDouble(0));
+    this->Change([&] { vtkSMPropertyHelper(this->First).Set(list.GetAsDouble(0)); });
   }
 }
 
 //------------------------------------------------------------------------------
 void FirstElementLink::FirstModified()
 {
-  vtkSMPropertyHelper(this->List).Set(0, vtkSMPropertyHelper(this->First).GetAsDouble());
+  this->Change(
+    [&] { vtkSMPropertyHelper(this->List).Set(0, vtkSMPropertyHelper(this->First).GetAsDouble()); });
 }

@@ -18,6 +18,8 @@ public:
   void Connect(vtkSMProperty* list, vtkSMProperty* first);
 
 private:
+  template <class Set>
+  void Change(const Set& set);
   void ListModified();
   void FirstModified();
 
@@ -25,4 +27,5 @@ private:
   vtkWeakPointer<vtkSMProperty> First;
   unsigned long ListObserver = 0;
   unsigned long FirstObserver = 0;
+  bool IsChanging = false;
 };

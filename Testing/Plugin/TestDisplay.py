@@ -8,20 +8,25 @@ import scene
 KINDS = ("Tree AMR Volume", "Tree AMR Isosurface")
 
 
-def vectors():
-    """A grid with vectors whose first component is 3 and whose magnitude goes from 3 to 5."""
+def with_array(name, values):
+    """A grid of n cells with one cell array; values: an expression of n that gives it."""
     return simple.ProgrammableFilter(
-        Input=simple.TreeAMRExample(Dataset="Synthetic"), OutputDataSetType="Same as Input", Script="""
+        Input=simple.TreeAMRExample(Dataset="Synthetic"), OutputDataSetType="Same as Input", Script=f"""
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk
 grid = self.GetOutputDataObject(0)
 grid.ShallowCopy(self.GetInputDataObject(0, 0))
 n = grid.GetNumberOfCells()
-array = numpy_to_vtk(numpy.stack([numpy.full(n, 3.0), numpy.linspace(0, 4, n), numpy.zeros(n)], axis=1), deep=1)
-array.SetName('v')
+array = numpy_to_vtk(numpy.ascontiguousarray({values}), deep=1)
+array.SetName('{name}')
 grid.GetCellData().Initialize()
 grid.GetCellData().AddArray(array)
 """)
+
+
+def vectors():
+    """A grid with vectors whose first component is 3 and whose magnitude goes from 3 to 5."""
+    return with_array("v", "numpy.stack([numpy.full(n, 3.0), numpy.linspace(0, 4, n), numpy.zeros(n)], axis=1)")
 
 
 class TestDisplay(scene.TestCase):
@@ -128,6 +133,19 @@ grid.GetCellData().AddArray(first)
         self.representation.SetRepresentationType("Tree AMR Volume")
         self.representation.ShowIsosurfaces = 1
         self.assertAlmostEqual(4, *self.representation.IsosurfaceValues)
+
+    def test_infinite_values(self):
+        """Isovalues start in the middle of the finite values; a NaN among them is for the mapper to refuse."""
+        source = with_array(
+            "f", "numpy.concatenate([[numpy.inf, -numpy.inf, numpy.nan], numpy.linspace(2, 6, n - 3)])")
+        self.show(source)
+        self.assertEqual(list(self.representation.Isovalues), [4])
+        contour = simple.TreeAMRContour(Input=source)
+        self.assertEqual(list(contour.Isosurfaces), [4])
+        for name in ("Isovalues", "FirstIsovalue", "IsosurfaceValues", "FirstIsosurfaceValue"):
+            setattr(self.representation, name, numpy.nan)
+            self.assertTrue(numpy.isnan(numpy.atleast_1d(getattr(self.representation, name))).all())
+        contour.Isosurfaces = [numpy.nan]
 
     def test_first_isosurface(self):
         """The slider's property and the list follow each other."""
