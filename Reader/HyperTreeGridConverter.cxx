@@ -10,6 +10,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -119,14 +120,34 @@ private:
     HyperTreeGridTopology& topology, ContentDigest octreeKey, const CellValues& values)
   {
     checkCells(topology);
-    if (topology.excludeNonFinite([&](vtkIdType index) { return values.isFinite(index); }))
+    std::atomic<bool> anyFinite{ false }; // of those left out, too large for float
+    std::atomic<bool> anyInfinite{ false };
+    const auto isKept = [&](vtkIdType index) {
+      if (values.isFinite(index))
+      {
+        return true;
+      }
+      if (const double value = values(index); !std::isnan(value))
+      {
+        (std::isinf(value) ? anyInfinite : anyFinite).store(true, std::memory_order_relaxed);
+      }
+      return false;
+    };
+    if (topology.excludeNonFinite(isKept))
     {
       octreeKey = topology.octreeDigest();
     }
     if (!topology.hasCells())
     {
-      throw Error("hyper tree grid: no cell has a finite value in array '" +
-        std::string(values.array().GetName()) + "'");
+      std::ostringstream message;
+      message << "hyper tree grid: no cell has a finite value in array '" << values.array().GetName() << "'";
+      if (anyFinite)
+      {
+        constexpr float most = std::numeric_limits<float>::max();
+        message << " within single precision, " << -most << " to " << most
+                << "; values are beyond it: multiply them by a constant";
+      }
+      throw NoFiniteValue(message.str(), !anyFinite && !anyInfinite);
     }
     return octreeKey;
   }
@@ -274,10 +295,20 @@ vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell)
   return tree.tree->GetGlobalIndexFromLocal(vertex);
 }
 
-std::string messageOfMissingArray(vtkHyperTreeGrid& grid, const std::string& name)
+vtkDataArray& numericCellArray(vtkHyperTreeGrid& grid, const std::string& name)
 {
-  std::string names;
   vtkCellData* cells = grid.GetCellData();
+  vtkAbstractArray* found = cells->GetAbstractArray(name.c_str());
+  if (vtkDataArray* array = vtkDataArray::SafeDownCast(found))
+  {
+    return *array;
+  }
+  if (found)
+  {
+    throw Error("hyper tree grid: cell array '" + name + "' is a " + found->GetClassName() +
+      ", allowed are arrays of numbers");
+  }
+  std::string names;
   for (int i = 0; i < cells->GetNumberOfArrays(); ++i)
   {
     vtkDataArray* array = cells->GetArray(i); // null when it is not of numbers
@@ -286,9 +317,9 @@ std::string messageOfMissingArray(vtkHyperTreeGrid& grid, const std::string& nam
       names += (names.empty() ? "'" : ", '") + std::string(array->GetName()) + "'";
     }
   }
-  return "hyper tree grid: cell array '" + name + "' does not exist; there are: " +
+  throw Error("hyper tree grid: cell array '" + name + "' does not exist; there are: " +
     (names.empty() ? "none; give the cells an array of numbers (a forest: by its reader's Payload)"
-                   : names + "; select one of them");
+                   : names + "; select one of them"));
 }
 
 void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])

@@ -8,6 +8,7 @@
 
 #include "vtkTreeAMRReaderModule.h" // for the export macro
 
+#include "Error.h"
 #include "Octree/Field.h"
 
 #include "vtkSmartPointer.h"
@@ -29,6 +30,19 @@ struct ArraySelection
   int component = -1;
 };
 
+/// No cell has a value of an array that a float can hold.
+class VTKTREEAMRREADER_EXPORT NoFiniteValue : public Error
+{
+public:
+  NoFiniteValue(const std::string& message, bool isNaN)
+    : Error(message)
+    , isNaN(isNaN)
+  {
+  }
+  /// Whether all values are NaN, not some infinite or too large.
+  bool isNaN;
+};
+
 /// The field of an array and its octree, from a process-wide cache that keeps nothing alive by itself: copies
 /// of a grid (VTK copies at every step of a pipeline) share one octree, whatever the array, unless an array's
 /// non-finite values cut different cells. Each call reads topology and
@@ -39,7 +53,7 @@ struct ArraySelection
 /// branch factor other than 2 or material interfaces, when its coordinates along an axis are not finite or
 /// neither strictly increase nor strictly decrease (a mirrored grid), when it is too deep for RootGrid, and when
 /// the array does not exist, is not numeric, is too short, has no such component or has doubles all below the
-/// normal numbers of float, 1.2e-38.
+/// normal numbers of float, 1.2e-38. NoFiniteValue, an Error, when no cell has a finite value or all are beyond float.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
   vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
 
@@ -64,8 +78,8 @@ VTKTREEAMRREADER_EXPORT std::shared_ptr<const Categories> acquireCategories(
 /// acquireField() for the grid.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Octree> acquireOctree(vtkHyperTreeGrid* grid);
 
-/// What to say of a cell array that does not exist: those there are, and what to do.
-VTKTREEAMRREADER_EXPORT std::string messageOfMissingArray(vtkHyperTreeGrid& grid, const std::string& name);
+/// A cell array of numbers. Throws Error when there is no such array, naming those there are, or it is not numeric.
+VTKTREEAMRREADER_EXPORT vtkDataArray& numericCellArray(vtkHyperTreeGrid& grid, const std::string& name);
 
 /// The place in the cell arrays of the values of a cell, leaf or coarse, of a grid that acquireField() takes. Throws
 /// Error when the grid has no such cell. Safe from several threads while none changes the grid.

@@ -9,7 +9,6 @@
 #include "Octree/OctreeBuilder.h"
 
 #include "vtkAOSDataArrayTemplate.h"
-#include "vtkCellData.h"
 #include "vtkDataArray.h"
 
 #include <cmath>
@@ -21,22 +20,11 @@ namespace treeamr
 class CellValues
 {
 public:
-  /// Throws Error when there is no such array, naming those there are, or when it is not numeric, has no such
-  /// component or fewer than `indexEnd` tuples.
+  /// Throws Error as numericCellArray(), and when the array has no such component or fewer than `indexEnd` tuples.
   CellValues(vtkHyperTreeGrid& grid, const ArraySelection& selection, vtkIdType indexEnd)
   {
-    vtkCellData* cells = grid.GetCellData();
-    vtkAbstractArray* found = cells->GetAbstractArray(selection.name.c_str());
-    if (!found)
-    {
-      throw Error(messageOfMissingArray(grid, selection.name));
-    }
+    array_ = &numericCellArray(grid, selection.name);
     const std::string name = "hyper tree grid: cell array '" + selection.name + "' ";
-    array_ = vtkDataArray::SafeDownCast(found);
-    if (!array_)
-    {
-      throw Error(name + "is a " + found->GetClassName() + ", allowed are arrays of numbers");
-    }
     componentCount_ = array_->GetNumberOfComponents();
     if (selection.component >= componentCount_)
     {

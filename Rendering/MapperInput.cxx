@@ -102,10 +102,7 @@ std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int ac
       {
         name = cellArrayName(grid, arrayId);
       }
-      if (!grid->GetCellData()->HasArray(name.c_str()))
-      {
-        throw Error(messageOfMissingArray(*grid, name));
-      }
+      numericCellArray(*grid, name);
       return name;
     }
     default:
@@ -132,16 +129,16 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
   const vtkMTimeType time = grid ? gridModificationTime(grid) : 0;
   const bool known = grid_ == grid && time_ == time && selection_.name == selection.name &&
     selection_.component == selection.component;
-  if (known && !failure_.empty())
+  if (known && failure_)
   {
-    throw Error(failure_);
+    std::rethrow_exception(failure_);
   }
   if (!known || !made_ || (withNodeRanges && !made_->hasNodeRanges()))
   {
     grid_ = grid;
     time_ = time;
     selection_ = selection;
-    failure_.clear();
+    failure_ = nullptr;
     try
     {
       // The old one lives until the new one is there: they may share an octree.
@@ -154,10 +151,10 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
         made_ = acquireField(grid, selection, withNodeRanges);
       }
     }
-    catch (const Error& error)
+    catch (const Error&)
     {
       made_.reset();
-      failure_ = error.what();
+      failure_ = std::current_exception();
       throw;
     }
     catch (...)

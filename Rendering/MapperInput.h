@@ -31,8 +31,8 @@ std::string defaultCellArrayName(vtkHyperTreeGrid* grid);
 std::string processedArrayName(vtkAlgorithm* algorithm, vtkHyperTreeGrid* grid);
 
 /// The array that ScalarMode, ArrayAccessMode, ArrayId and ArrayName of a VTK mapper mean. `fallback` is
-/// meant by modes that name no array. Throws Error for modes of point or field data, which hyper tree grids
-/// have not.
+/// meant by modes that name no array. Throws Error for a name of no array of numbers and for modes of point or field
+/// data, which hyper tree grids have not.
 std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,
   const char* arrayName, const std::string& fallback);
 
@@ -57,7 +57,7 @@ private:
   vtkMTimeType time_ = 0;
   ArraySelection selection_;
   std::shared_ptr<const Made> made_;
-  std::string failure_;
+  std::exception_ptr failure_;
 };
 
 using FieldSlot = InputSlot<Field>;

@@ -80,6 +80,27 @@ vtkSmartPointer<vtkUnsignedCharArray> mapColors(
   return mapScalars(mapper, colors, VTK_COLOR_MODE_DIRECT_SCALARS);
 }
 
+bool mayBeColor(vtkDataArray* array)
+{
+  return array->GetNumberOfComponents() <= 4; // luminance and colour, each with an opacity or without
+}
+
+/// Whether the values are colours themselves.
+bool isDirect(vtkMapper* mapper, vtkDataArray* array)
+{
+  const int mode = mapper->GetColorMode();
+  return mayBeColor(array) &&
+    (mode == VTK_COLOR_MODE_DIRECT_SCALARS ||
+      (mode == VTK_COLOR_MODE_DEFAULT && array->GetDataType() == VTK_UNSIGNED_CHAR));
+}
+
+/// Whether the table makes colours of whole tuples.
+bool isMappedColor(vtkMapper* mapper, vtkDataArray* array)
+{
+  return mayBeColor(array) && array->GetNumberOfComponents() > 1 && mapper->GetArrayComponent() < 0 &&
+    mapper->GetLookupTable()->GetVectorMode() == vtkScalarsToColors::RGBCOLORS;
+}
+
 /// The leaf at a cell's place, or what is there instead.
 NodeRef nodeAt(const Octree& octree, const CellId& cell)
 {
@@ -114,13 +135,8 @@ ColorSource selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid)
   }
   vtkScalarsToColors* table = mapper->GetLookupTable();
   const int components = source.array->GetNumberOfComponents();
-  const bool mayBeColor = components <= 4; // luminance and colour, each with an opacity or without
-  source.direct = mayBeColor &&
-    (mapper->GetColorMode() == VTK_COLOR_MODE_DIRECT_SCALARS ||
-      (mapper->GetColorMode() == VTK_COLOR_MODE_DEFAULT && source.array->GetDataType() == VTK_UNSIGNED_CHAR));
-  const bool isMappedColor = mayBeColor && components > 1 && mapper->GetArrayComponent() < 0 &&
-    table->GetVectorMode() == vtkScalarsToColors::RGBCOLORS;
-  if (source.direct || isMappedColor)
+  source.direct = isDirect(mapper, source.array);
+  if (source.direct || isMappedColor(mapper, source.array))
   {
     for (int c = 0; c < components; ++c)
     {
@@ -142,15 +158,16 @@ ColorSource selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid)
   return source;
 }
 
-bool isTranslucent(vtkMapper* mapper, const ColorSource& source)
+bool isTranslucent(vtkMapper* mapper, vtkDataArray* array)
 {
-  if (!source.array)
-  {
-    return false;
-  }
   vtkScalarsToColors* table = mapper->GetLookupTable();
   table->Build();
-  return !table->IsOpaque(source.array, mapper->GetColorMode(), mapper->GetArrayComponent());
+  if (!table->IsOpaque(array, mapper->GetColorMode(), mapper->GetArrayComponent()))
+  {
+    return true;
+  }
+  const bool hasColors = array && (isDirect(mapper, array) || isMappedColor(mapper, array));
+  return !hasColors && mapScalars(mapper, { vtkMath::Nan() })->GetValue(3) < 255;
 }
 
 HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::vector<double>& isovalues)

@@ -62,8 +62,9 @@ struct ColorSource
 /// grid has not.
 ColorSource selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid);
 
-/// Whether some of its colours are translucent, as far as vtkMapper goes into it.
-bool isTranslucent(vtkMapper* mapper, const ColorSource& source);
+/// Whether some of an array's colours are translucent, as far as vtkMapper goes into it, or that of NaN, which VTK's
+/// transfer functions leave out of account. Null: of any array of values.
+bool isTranslucent(vtkMapper* mapper, vtkDataArray* array);
 
 /// Of surfaces coloured by the array that they are isosurfaces of: of the isovalues themselves.
 HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::vector<double>& isovalues);

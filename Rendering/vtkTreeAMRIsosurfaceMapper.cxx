@@ -482,18 +482,29 @@ double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& gri
 }
 
 //------------------------------------------------------------------------------
+template <class Made>
+std::shared_ptr<const Made> vtkTreeAMRIsosurfaceMapper::AcquireColors(
+  treeamr::InputSlot<Made>& slot, vtkHyperTreeGrid* grid, const treeamr::ArraySelection& selection)
+{
+  try
+  {
+    return slot.acquire(grid, selection, false);
+  }
+  catch (const treeamr::NoFiniteValue& error)
+  {
+    if (!error.isNaN)
+    {
+      this->Warn(error.what());
+    }
+    return nullptr;
+  }
+}
+
+//------------------------------------------------------------------------------
 treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTreeGrid* grid)
 {
   Internals& internals = *this->Private;
-  treeamr::ColorSource source;
-  try
-  {
-    source = treeamr::selectColors(this, grid);
-  }
-  catch (const treeamr::Error& error)
-  {
-    this->Warn(error.what());
-  }
+  const treeamr::ColorSource source = treeamr::selectColors(this, grid);
   if (!source.array)
   {
     return {};
@@ -502,9 +513,15 @@ treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTre
   const bool ofItself = count == 1 && treeamr::isSameArray(grid, source.components[0], internals.Contoured);
   if (treeamr::hasCategories(this, source))
   {
-    const std::shared_ptr<const treeamr::Categories>& categories =
-      internals.CategorySlot.acquire(grid, source.components[0], false);
+    const std::shared_ptr<const treeamr::Categories> categories =
+      this->AcquireColors(internals.CategorySlot, grid, source.components[0]);
     internals.ColorSlots = {};
+    if (!categories)
+    {
+      view.ColorFields.clear();
+      view.ColorValues.assign(view.Hits.hits.size(), std::numeric_limits<float>::quiet_NaN());
+      return treeamr::mapValues(this, source, view.ColorValues);
+    }
     const std::vector<std::shared_ptr<const treeamr::Field>> numbers{ { categories, &categories->numbers } };
     if (view.ColorFields != numbers)
     {
@@ -522,15 +539,18 @@ treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTre
   std::vector<std::shared_ptr<const treeamr::Field>> fields;
   for (std::size_t c = 0; c < count; ++c)
   {
-    fields.push_back(internals.ColorSlots[c].acquire(grid, source.components[c], false));
+    fields.push_back(this->AcquireColors(internals.ColorSlots[c], grid, source.components[c]));
   }
   if (view.ColorFields != fields)
   {
     view.ColorFields.clear();
-    view.ColorValues.resize(count * view.Hits.hits.size());
+    view.ColorValues.assign(count * view.Hits.hits.size(), std::numeric_limits<float>::quiet_NaN());
     for (std::size_t c = 0; c < count; ++c)
     {
-      treeamr::valuesAtHits(fields[c], *view.Camera, view.Hits, count, &view.ColorValues[c]);
+      if (fields[c])
+      {
+        treeamr::valuesAtHits(fields[c], *view.Camera, view.Hits, count, &view.ColorValues[c]);
+      }
     }
     view.ColorFields = fields;
   }
@@ -543,12 +563,19 @@ bool vtkTreeAMRIsosurfaceMapper::HasTranslucentPolygonalGeometry()
   vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
   try
   {
-    return grid && treeamr::isTranslucent(this, treeamr::selectColors(this, grid));
+    vtkDataArray* array = grid ? treeamr::selectColors(this, grid).array : nullptr;
+    return array && this->HasTranslucentColors(array);
   }
   catch (const treeamr::Error&)
   {
     return false; // Render() says why there are no colours
   }
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceMapper::HasTranslucentColors(vtkDataArray* array)
+{
+  return treeamr::isTranslucent(this, array);
 }
 
 //------------------------------------------------------------------------------
@@ -629,9 +656,17 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
     this->TraceVisibility(view, appearance.lights);
   }
 
+  treeamr::HitColors colors;
+  try
+  {
+    colors = this->MapColors(view, grid);
+  }
+  catch (const treeamr::Error& error)
+  {
+    this->Warn(error.what());
+  }
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
-    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), this->MapColors(view, grid),
-    internals.Image);
+    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), colors, internals.Image);
   std::vector<float> depth;
   if (view.Layers == treeamr::SurfaceLayers::All && this->ReadDepthToFlatten(view, depth))
   {

@@ -10,7 +10,8 @@
  * The actor's vtkProperty and the renderer's lights shade it as they shade polygons: with normals that are smooth
  * across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured by an
  * array through vtkMapper's ScalarVisibility, ScalarMode, ColorMode, SelectColorArray() and LookupTable, its
- * opacities included; an array that does not exist leaves the solid colour, with a warning. Coloured by the
+ * opacities included; an array that does not exist or is unfit leaves the solid colour, with a warning; values that are
+ * not finite or beyond float have the colour and the opacity of NaN. Coloured by the
  * contoured array each surface has the colour of its value. A table with IndexedLookup makes categories of the values:
  * each point has the colour of its cell's own value, or of an isovalue that the table lists. Real depth is written:
  * the surface meets polygons and volumes correctly.
@@ -53,7 +54,10 @@ class vtkHyperTreeGrid;
 
 namespace treeamr
 {
+struct ArraySelection;
 class HitColors;
+template <class Made>
+class InputSlot;
 struct Light;
 } // namespace treeamr
 
@@ -147,8 +151,10 @@ public:
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
 
   /// Whether the array's colours are translucent, by vtkMapper's rules: those of the lookup table, or those in an array of
-  /// colours.
+  /// colours; besides, the lookup table's colour of NaN.
   bool HasTranslucentPolygonalGeometry() override;
+  /// The same of another array; null: of any array of values.
+  bool HasTranslucentColors(vtkDataArray* array);
 
   /// Changes with the isovalues, too.
   vtkMTimeType GetMTime() override;
@@ -183,6 +189,10 @@ private:
   vtkHyperTreeGrid* UpdateInput();
   void UpdateSurface(vtkHyperTreeGrid* grid);
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
+  /// Null, with a warning of values beyond float, for an array that is NaN everywhere.
+  template <class Made>
+  std::shared_ptr<const Made> AcquireColors(
+    treeamr::InputSlot<Made>& slot, vtkHyperTreeGrid* grid, const treeamr::ArraySelection& selection);
   treeamr::HitColors MapColors(View& view, vtkHyperTreeGrid* grid);
   double ChooseSampleDistance(View& view, bool isNew);
   void UpdateHits(View& view);

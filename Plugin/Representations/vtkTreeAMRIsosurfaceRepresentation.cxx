@@ -52,8 +52,7 @@ bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
   // The mapper gets the grid when it is rendered, which is later.
   const std::string colored = this->GetColorArrayName();
   vtkDataArray* array = this->Grid ? this->Grid->GetCellData()->GetArray(colored.c_str()) : nullptr;
-  return !colored.empty() &&
-    !this->Mapper->GetLookupTable()->IsOpaque(array, this->Mapper->GetColorMode(), -1);
+  return !colored.empty() && this->Mapper->HasTranslucentColors(array);
 }
 
 //------------------------------------------------------------------------------

@@ -481,7 +481,8 @@ TEST(ConverterError, NamesBadCoordinates)
 TEST(ConverterError, NamesTheArray)
 {
   const auto grid = makeGrid({});
-  expectError(grid, "'density' does not exist; there are: 'scalar', 'vector', 'count'; select one of them", { "density" });
+  expectError(grid, "'density' does not exist; there are: 'scalar', 'vector', 'count'; select one of them",
+    { "density" });
   expectError(grid, "'' does not exist", { "" });
   expectError(grid, "'vector' has no component 3, allowed are 0 to 2", { "vector", 3 });
 
@@ -497,7 +498,8 @@ TEST(ConverterError, NamesTheArray)
     grid, "'scalar' has " + std::to_string(count - 1) + " tuples, the cells need " + std::to_string(count));
 
   grid->GetCellData()->Initialize();
-  expectError(grid, "there are: none; give the cells an array of numbers (a forest: by its reader's Payload)");
+  expectError(
+    grid, "there are: none; give the cells an array of numbers (a forest: by its reader's Payload)");
 }
 
 TEST(ConverterError, NamesDoublesBelowTheRangeOfFloat)
@@ -532,6 +534,8 @@ TEST(ConverterError, SaysWhyNothingIsLeft)
   const auto nan = makeGrid({ .notFinite = 1. });
   expectError(nan, "no cell has a finite value in array 'scalar'");
   EXPECT_NO_THROW(acquireField(nan, { "vector" }, true));
+  scalarOf(nan)->FillValue(1e60);
+  expectError(nan, "within single precision, -3.40282e+38 to 3.40282e+38");
 }
 
 TEST(ConverterError, NamesBadTrees)

@@ -6,8 +6,11 @@
 #include "vtkDiscretizableColorTransferFunction.h"
 #include "vtkDoubleArray.h"
 #include "vtkLookupTable.h"
+#include "vtkMath.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkStringArray.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkVariant.h"
 
 #include <algorithm>
 #include <cmath>
@@ -207,6 +210,156 @@ TEST_F(IsosurfaceColorTest, cellsWithoutAValue)
     },
     100);
   EXPECT_GT(without, 20);
+}
+
+// Nowhere a value: the table's colour of NaN, as for a part of the cells.
+TEST_F(IsosurfaceColorTest, noFiniteValue)
+{
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const std::vector<std::pair<double, std::string>> values{ { nan, "" },
+    { 1e60, "within single precision, -3.40282e+38 to 3.40282e+38" },
+    { -infinity, "no cell has a finite value" } };
+  for (const auto& [value, warning] : values)
+  {
+    for (const bool categories : { false, true })
+    {
+      Scene scene;
+      const auto grid = planeGrid();
+      grid->GetCellData()->GetArray("x")->Fill(value);
+      vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "x");
+      const auto table = makeTable(-0.8, 0.9);
+      table->SetIndexedLookup(categories);
+      mapper->SetLookupTable(table);
+      mapper->UseLookupTableScalarRangeOn();
+      MessageCounter messages(mapper);
+      for (int frame = 0; frame < 2; ++frame)
+      {
+        expectColors(scene, [&](const Point&, Color& color) {
+          std::copy(table->GetNanColor(), table->GetNanColor() + 3, color.begin());
+          return true;
+        });
+      }
+      EXPECT_TRUE(messages.errors.empty());
+      ASSERT_EQ(messages.warnings.size(), warning.empty() ? 0u : 1u) << value;
+      EXPECT_TRUE(warning.empty() || messages.warnings[0].find(warning) != std::string::npos)
+        << messages.warnings[0];
+
+      // Of what has no value there is no surface.
+      mapper->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "x");
+      scene.render();
+      ASSERT_EQ(messages.errors.size(), 1u);
+      EXPECT_NE(
+        messages.errors[0].find(warning.empty() ? "no cell has a finite value" : warning), std::string::npos)
+        << messages.errors[0];
+      mapper->RemoveAllObservers();
+    }
+  }
+}
+
+// As for one that does not exist.
+TEST_F(IsosurfaceColorTest, unfitArrays)
+{
+  Scene scene;
+  const auto grid = planeGrid();
+  vtkNew<vtkDoubleArray> tooShort;
+  tooShort->SetName("short");
+  tooShort->InsertNextValue(1.);
+  vtkNew<vtkStringArray> strings;
+  strings->SetName("strings");
+  strings->SetNumberOfValues(grid->GetCellData()->GetArray("x")->GetNumberOfTuples());
+  grid->GetCellData()->AddArray(tooShort);
+  grid->GetCellData()->AddArray(strings);
+  vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "x");
+  scene.renderer->GetActors()->GetLastActor()->GetProperty()->SetColor(0.2, 0.7, 0.4);
+  for (const char* name : { "short", "strings", "missing" })
+  {
+    MessageCounter messages(mapper);
+    mapper->SelectColorArray(name);
+    for (int frame = 0; frame < 2; ++frame)
+    {
+      expectColors(scene, [&](const Point&, Color& color) {
+        color = { 0.2, 0.7, 0.4 };
+        return true;
+      });
+    }
+    EXPECT_TRUE(messages.errors.empty()) << name;
+    ASSERT_EQ(messages.warnings.size(), 1u) << name;
+    EXPECT_NE(messages.warnings[0].find(std::string("'") + name + "'"), std::string::npos)
+      << messages.warnings[0];
+    mapper->RemoveAllObservers();
+  }
+}
+
+// A translucent colour of NaN is one of the table's colours. Transfer functions have it where they use it: discretized.
+TEST_F(IsosurfaceColorTest, opacityOfNaN)
+{
+  constexpr double background = 0.5;
+  const Color ofNaN{ 0.2, 0.1, 0.7 };
+  const auto grid = planeGrid();
+  vtkDataArray* values = grid->GetCellData()->GetArray("x");
+  for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
+  {
+    values->SetTuple1(i, values->GetTuple1(i) > 0.25 ? vtkMath::Nan() : 0.);
+  }
+  const auto expected = [&](double alpha) {
+    return [&ofNaN, alpha](const Point& p, Color& color) {
+      color = { 1., 0.6, 0.2 };
+      for (int c = 0; c < 3 && p[0] > 0.5; ++c)
+      {
+        color[c] = alpha * ofNaN[c] + (1. - alpha) * background;
+      }
+      return p[0] > 0.5 || p[0] < -0.01;
+    };
+  };
+  for (const bool peeling : { false, true })
+  {
+    Scene scene;
+    scene.renderer->SetBackground(background, background, background);
+    scene.renderer->SetUseDepthPeeling(peeling);
+    vtkTreeAMRIsosurfaceMapper* mapper = addColored(scene, grid, "x");
+    vtkActor* actor = scene.renderer->GetActors()->GetLastActor();
+    vtkNew<vtkDiscretizableColorTransferFunction> functions;
+    functions->AddRGBPoint(-1., 1., 0.6, 0.2);
+    functions->AddRGBPoint(1., 1., 0.6, 0.2);
+    functions->SetNanColor(ofNaN.data());
+    functions->DiscretizeOn();
+    mapper->SetLookupTable(functions);
+    mapper->UseLookupTableScalarRangeOn();
+    EXPECT_TRUE(actor->HasOpaqueGeometry());
+    expectColors(scene, expected(1.), 100);
+    for (const double opacity : { 0.3, 0. })
+    {
+      functions->SetNanOpacity(opacity);
+      EXPECT_TRUE(actor->HasTranslucentPolygonalGeometry());
+      expectColors(scene, expected(opacity), 100);
+    }
+    functions->DiscretizeOff(); // VTK's colours of NaN are opaque then
+    EXPECT_TRUE(actor->HasOpaqueGeometry());
+    expectColors(scene, expected(1.), 100);
+
+    vtkNew<vtkLookupTable> table;
+    table->SetNumberOfTableValues(1);
+    table->SetTableValue(0, 1., 0.6, 0.2);
+    table->SetNanColor(ofNaN[0], ofNaN[1], ofNaN[2], 0.3);
+    mapper->SetLookupTable(table);
+    EXPECT_TRUE(actor->HasTranslucentPolygonalGeometry());
+    expectColors(scene, expected(0.3), 100);
+
+    // Of categories that it does not list, too.
+    functions->DiscretizeOn();
+    functions->IndexedLookupOn();
+    functions->SetAnnotation(vtkVariant(0.), "zero");
+    functions->SetNumberOfIndexedColors(1);
+    functions->SetIndexedColor(0, 1., 0.6, 0.2);
+    functions->SetNanOpacity(0.3);
+    mapper->SetLookupTable(functions);
+    EXPECT_TRUE(actor->HasTranslucentPolygonalGeometry());
+    expectColors(scene, expected(0.3), 100);
+    // Colours are none of the table's.
+    mapper->SetColorModeToDirectScalars();
+    EXPECT_TRUE(actor->HasOpaqueGeometry());
+  }
 }
 
 TEST_F(IsosurfaceColorTest, componentsOfVectors)
