@@ -13,6 +13,15 @@ namespace treeamr::test
 
 inline std::atomic<std::size_t> allocatedBytes{ 0 };
 inline std::atomic<std::size_t> mostAllocatedBytes{ 0 };
+/// The greatest block so far that does not begin on a page of 2 MiB.
+inline std::atomic<std::size_t> greatestOnSmallPages{ 0 };
+
+inline void raise(std::atomic<std::size_t>& most, std::size_t value)
+{
+  for (std::size_t known = most; known < value && !most.compare_exchange_weak(known, value);)
+  {
+  }
+}
 
 /// The most that `work` holds at any time beyond what was there before.
 template <class Work>
@@ -40,10 +49,10 @@ void* operator new(std::size_t size, std::align_val_t alignment)
     throw std::bad_alloc();
   }
   ::new (block + front - sizeof(std::size_t)) std::size_t(size);
-  const std::size_t now = allocatedBytes += size;
-  for (std::size_t most = mostAllocatedBytes;
-       most < now && !mostAllocatedBytes.compare_exchange_weak(most, now);)
+  raise(mostAllocatedBytes, allocatedBytes += size);
+  if (static_cast<std::size_t>(alignment) < std::size_t(1) << 21)
   {
+    raise(greatestOnSmallPages, size);
   }
   return block + front;
 }
