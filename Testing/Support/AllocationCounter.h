@@ -42,8 +42,11 @@ void* operator new(std::size_t size, std::align_val_t alignment)
   using namespace treeamr::test;
   const std::size_t front = std::max(static_cast<std::size_t>(alignment), alignof(std::max_align_t));
   // A multiple of the alignment, as the C standard asks.
-  auto* const block =
-    static_cast<std::byte*>(std::aligned_alloc(front, (size + 2 * front - 1) / front * front));
+  // Sanitizers end a program that asks for more than there can be.
+  constexpr std::size_t tooMuch = std::size_t(1) << 39;
+  auto* const block = size < tooMuch
+    ? static_cast<std::byte*>(std::aligned_alloc(front, (size + 2 * front - 1) / front * front))
+    : nullptr;
   if (!block)
   {
     throw std::bad_alloc();
