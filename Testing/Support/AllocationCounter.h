@@ -65,6 +65,19 @@ void* operator new(std::size_t size)
   return operator new(size, std::align_val_t(alignof(std::max_align_t)));
 }
 
+/// Sanitizers have one of their own, which does not call the others.
+void* operator new(std::size_t size, const std::nothrow_t& /*unused*/) noexcept
+{
+  try
+  {
+    return operator new(size);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return nullptr;
+  }
+}
+
 void operator delete(void* pointer, std::align_val_t alignment) noexcept
 {
   if (pointer)
