@@ -315,7 +315,7 @@ double* vtkTreeAMRIsosurfaceMapper::GetBounds()
 //------------------------------------------------------------------------------
 vtkIdType vtkTreeAMRIsosurfaceMapper::GetNumberOfPrimitives()
 {
-  return this->Private->Surface ? static_cast<vtkIdType>(this->Private->Surface->statistics().octants) : 0;
+  return this->Private->Surface ? static_cast<vtkIdType>(this->Private->Surface->octantCount()) : 0;
 }
 
 //------------------------------------------------------------------------------
@@ -403,7 +403,8 @@ double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view, bool isNew)
   }
   if (!isNew)
   {
-    return view.SampleDistance; // a still camera loses nothing
+    return std::min(
+      view.SampleDistance, this->MinimumImageSampleDistance); // a still camera has the full picture
   }
   const double seconds =
     this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.Actor->GetAllocatedRenderTime();

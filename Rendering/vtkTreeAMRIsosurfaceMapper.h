@@ -124,7 +124,8 @@ public:
   /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when camera, actor
   /// or surfaces have changed, an interactive frame is traced with as few rays as fit InteractiveRenderTime or, when
   /// that is 0, the time that VTK allocates to the actor. Their pixels have the depth of the surface's tangent plane.
-  /// Interactive frames of a still camera keep the picture there is; hardware selection always has one ray a pixel.
+  /// Where nothing has moved since the last frame, interactive ones have the full picture, and keep it; hardware selection
+  /// always has one ray a pixel.
   vtkSetMacro(AutoAdjustSampleDistances, bool);
   vtkGetMacro(AutoAdjustSampleDistances, bool);
   vtkBooleanMacro(AutoAdjustSampleDistances, bool);

@@ -23,6 +23,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace treeamr
 {
@@ -160,6 +161,7 @@ struct Isosurface::Impl
   std::atomic<std::ptrdiff_t> embreeBytes{ 0 };
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  std::uint64_t computedBefore = 0; // of the blocks' values, before the hierarchy was built
   mutable tbb::enumerable_thread_specific<std::unique_ptr<TileRays>> workers; // for frames
 
   Impl(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes)
@@ -207,9 +209,16 @@ struct Isosurface::Impl
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     const SurfaceBlock& block = self.blocks.all()[args->primID];
-    const BlockPlanes planes(self.space, block);
     float* lower = &args->bounds_o->lower_x;
     float* upper = &args->bounds_o->upper_x;
+    if (block.isEmpty())
+    {
+      // Embree leaves out what has no extent.
+      std::fill(lower, lower + 3, std::numeric_limits<float>::infinity());
+      std::fill(upper, upper + 3, -std::numeric_limits<float>::infinity());
+      return;
+    }
+    const BlockPlanes planes(self.space, block);
     for (int a = 0; a < 3; ++a)
     {
       const double extent = self.domain.max[a] - self.domain.min[a];
@@ -220,17 +229,58 @@ struct Isosurface::Impl
     }
   }
 
+  /// Whether one of the rays that Embree asks about meets the box of the block's active octants.
+  template <class Args>
+  static bool meetsExtent(const Args* args, RTCRayN* rays, const SurfaceBlock& block,
+    const BlockPlanes& planes, const Batch& batch) noexcept
+  {
+    Vec3 low;
+    Vec3 high;
+    for (int a = 0; a < 3; ++a)
+    {
+      low[a] = planes.at[a][block.firstActive(a)];
+      high[a] = planes.at[a][block.endActive(a)];
+    }
+    for (unsigned i = 0; i < args->N; ++i)
+    {
+      if (args->valid[i] != 0)
+      {
+        const Query& query = batch.queries[RTCRayN_id(rays, args->N, i)];
+        double in = query.tEnter;
+        double out = query.all ? query.tLeave : std::min(query.tLeave, query.nearest.t);
+        // A hit may lie on the box: on a seam, where rounding decides.
+        if (query.ray.clip(low, high, in, out) || in - out <= 0x1p-20 * (query.tLeave - query.tEnter))
+        {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
   /// Calls visit(batch, record, planes) for the rays that Embree asks about.
   template <class Args, class Visit>
-  static void visitBlock(const Args* args, const Visit& visit) noexcept
+  static void visitBlock(const Args* args, RTCRayN* rays, const Visit& visit) noexcept
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     Batch& batch = *reinterpret_cast<Batch*>(args->context);
     try
     {
+      const SurfaceBlock& block = self.blocks.all()[args->primID];
+      if (block.isEmpty())
+      {
+        return;
+      }
+      const BlockPlanes planes(self.space, block);
+      // To compute values again takes longer than to look whether a ray comes near the surface.
+      if (block.isNarrowed() && !self.blocks.isKept(args->primID) &&
+        !meetsExtent(args, rays, block, planes, batch))
+      {
+        return;
+      }
       const SurfaceRecord& record = self.blocks.record(args->primID);
       record.prefetch();
-      visit(batch, record, BlockPlanes(self.space, self.blocks.all()[args->primID]));
+      visit(batch, record, planes);
     }
     catch (...)
     {
@@ -245,7 +295,7 @@ struct Isosurface::Impl
     const auto cut = [&](const Query& query, unsigned i, double t) {
       RTCRayN_tfar(rays, args->N, i) = query.parameterOf(t);
     };
-    visitBlock(args, [&](Batch& batch, const SurfaceRecord& record, const BlockPlanes& planes) {
+    visitBlock(args, rays, [&](Batch& batch, const SurfaceRecord& record, const BlockPlanes& planes) {
       for (unsigned i = 0; i < args->N;)
       {
         // Runs of rays that lie side by side.
@@ -281,7 +331,7 @@ struct Isosurface::Impl
   static void occludeBlock(const RTCOccludedFunctionNArguments* args)
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    visitBlock(args, [&](Batch& batch, const SurfaceRecord& record, const BlockPlanes& planes) {
+    visitBlock(args, args->ray, [&](Batch& batch, const SurfaceRecord& record, const BlockPlanes& planes) {
       for (unsigned i = 0; i < args->N; ++i)
       {
         if (args->valid[i] != 0 &&
@@ -491,12 +541,42 @@ struct Isosurface::Impl
       rtcReleaseGeometry(geometry);
       rtcCommitScene(scene);
     }
+    check();
+    statistics.hierarchySeconds = seconds(start);
+  }
+
+  /// While no thread queries. The hierarchy is built again, over the extents that rays have narrowed since, each time
+  /// that these have become twice as many: until then frames visit more blocks than they need to.
+  void startFrame()
+  {
+    blocks.startFrame();
+    const std::uint64_t computed = blocks.computedCount();
+    if (scene && computed >= blocks.all().size() / 64 + 2 * computedBefore && computed > computedBefore)
+    {
+      const auto start = std::chrono::steady_clock::now();
+      computedBefore = computed;
+      rtcCommitGeometry(rtcGetGeometry(scene, 0));
+      rtcCommitScene(scene);
+      try
+      {
+        check();
+      }
+      catch (...)
+      {
+        rtcReleaseScene(std::exchange(scene, nullptr)); // rays would find it half made
+        throw;
+      }
+      statistics.hierarchySeconds += seconds(start);
+    }
+  }
+
+  void check() const
+  {
     if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     {
       throw Error("isosurface: Embree reports error " + std::to_string(error) + " for " +
         std::to_string(blocks.all().size()) + " nodes");
     }
-    statistics.hierarchySeconds = seconds(start);
   }
 
   /// The query for a ray, and the ray in Embree's unit cube; false when it misses the domain. id: the query's number.
@@ -666,16 +746,20 @@ IsosurfaceStatistics Isosurface::statistics() const
 {
   IsosurfaceStatistics statistics = impl_->statistics;
   statistics.blocks = impl_->blocks.all().size();
-  statistics.octants = impl_->blocks.octantCount();
   statistics.blockBytes = impl_->blocks.byteSize();
   statistics.hierarchyBytes = static_cast<std::size_t>(impl_->embreeBytes.load());
   statistics.keptBytes = impl_->blocks.keptBytes();
   return statistics;
 }
 
+std::uint64_t Isosurface::octantCount() const
+{
+  return impl_->blocks.octantCount();
+}
+
 void Isosurface::startFrame() const
 {
-  impl_->blocks.startFrame();
+  impl_->startFrame();
 }
 
 bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const

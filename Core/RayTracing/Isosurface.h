@@ -46,8 +46,7 @@ enum class SurfaceLayers
 
 struct IsosurfaceStatistics
 {
-  std::size_t octants = 0; // that a surface passes through,
-  std::size_t blocks = 0;  // in so many inner nodes
+  std::size_t blocks = 0; // inner nodes that a surface may pass through
   std::size_t blockBytes = 0;
   std::size_t hierarchyBytes = 0; // Embree's
   std::size_t keptBytes = 0;      // of vertex values
@@ -60,9 +59,8 @@ class Isosurface
 public:
   static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
 
-  /// Finds the nodes with octants that the surfaces of the isovalues pass through and builds Embree's hierarchy
-  /// over them. Vertex values are kept within keptBytes, and computed where rays come when not all fit. The field
-  /// needs its node ranges. Throws Error without a field or isovalues, for one that is not finite, or when Embree fails.
+  /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over them. Vertex
+  /// values are computed where rays come and kept within keptBytes. The field needs its node ranges. Throws Error without a field or isovalues, for one that is not finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
     std::size_t keptBytes = defaultKeptBytes);
   ~Isosurface();
@@ -72,8 +70,13 @@ public:
   /// Ascending, each once.
   const std::vector<double>& isovalues() const noexcept;
   IsosurfaceStatistics statistics() const;
+  /// Octants that a surface passes through. The first call takes a while: it looks at all of them. As startFrame(),
+  /// while no thread queries.
+  std::uint64_t octantCount() const;
 
-  /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is short.
+  /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is short, and
+  /// draws the hierarchy tighter around the surfaces as rays have come to know them. No hit depends on it. Throws Error
+  /// when Embree fails; then there are no hits.
   void startFrame() const;
 
   /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.

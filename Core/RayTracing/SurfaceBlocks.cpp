@@ -154,23 +154,23 @@ LargeVector<SurfaceBlock> findCandidates(const Field& field, const std::vector<d
 
 } // namespace
 
-void SurfaceBlock::setActive(std::uint64_t octants) noexcept
+void SurfaceBlock::narrow(std::uint64_t octants) noexcept
 {
   // By axis the octants of the layers 0, 1, 2 and 3.
   constexpr std::array<std::uint64_t, 3> layer{ 0x1111111111111111u, 0x000f000f000f000fu, 0xffffu };
   for (int a = 0; a < 3; ++a)
   {
     int first = 0;
-    while ((octants & layer[a] << (first << 2 * a)) == 0)
+    int end = octants != 0 ? 4 : 0;
+    while (first < end && (octants & layer[a] << (first << 2 * a)) == 0)
     {
       ++first;
     }
-    int last = 3;
-    while ((octants & layer[a] << (last << 2 * a)) == 0)
+    while (first < end && (octants & layer[a] << ((end - 1) << 2 * a)) == 0)
     {
-      --last;
+      --end;
     }
-    extent_[a] = static_cast<std::uint8_t>(first | (last + 1) << 3);
+    std::atomic_ref(extent_[a]).store(static_cast<std::uint8_t>(first | end << 3), std::memory_order_relaxed);
   }
 }
 
@@ -179,10 +179,10 @@ SurfaceBlocks::SurfaceBlocks(
   : field_(std::move(field))
   , isovalues_(std::move(isovalues))
   , blocks_(findCandidates(*field_, isovalues_))
+  , budgetBytes_(budgetBytes)
   , pool_(blocks_.size(), budgetBytes)
 {
-  // Where not all values fit, those that rays ask for have first claim.
-  findActive(blocks_.size() * sizeof(SurfaceRecord) <= budgetBytes);
+  blocks_.shrink_to_fit();
 }
 
 SurfaceBlocks::Worker& SurfaceBlocks::worker() const
@@ -195,34 +195,29 @@ SurfaceBlocks::Worker& SurfaceBlocks::worker() const
   return *worker;
 }
 
-void SurfaceBlocks::findActive(bool keep)
+std::uint64_t SurfaceBlocks::octantCount() const
 {
-  std::atomic<std::uint64_t> octants{ 0 };
-  // Not active: a depth that no block has.
-  constexpr std::int8_t none = -2;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), 256),
-    [&](const tbb::blocked_range<std::size_t>& range) {
-      Worker& own = worker();
-      std::uint64_t active = 0;
-      for (std::size_t i = range.begin(); i < range.end(); ++i)
-      {
-        Chunk* kept = keep ? own.writer.room() : nullptr;
-        SurfaceRecord& record = kept ? kept->records[own.writer.index()] : own.unkept;
-        evaluate(blocks_[i], own, record);
-        if (record.active == 0)
+  if (!octants_)
+  {
+    std::atomic<std::uint64_t> octants{ 0 };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks_.size(), 256),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        Worker& own = worker();
+        std::uint64_t active = 0;
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
         {
-          blocks_[i].depth_ = none;
-          continue;
+          const bool isKept = blocks_[i].record_ != 0;
+          if (!isKept)
+          {
+            evaluate(blocks_[i], own, own.unkept);
+          }
+          active += std::popcount(isKept ? record(static_cast<std::uint32_t>(i)).active : own.unkept.active);
         }
-        active += std::popcount(record.active);
-        blocks_[i].setActive(record.active);
-        blocks_[i].record_ = kept ? own.writer.keep() : 0;
-      }
-      octants += active;
-    });
-  octants_ = octants;
-  std::erase_if(blocks_, [](const SurfaceBlock& block) { return block.depth_ == none; });
-  blocks_.shrink_to_fit();
+        octants += active;
+      });
+    octants_ = octants;
+  }
+  return *octants_;
 }
 
 std::size_t SurfaceBlocks::byteSize() const noexcept
@@ -289,21 +284,49 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   findActiveOctants(record, drawn);
 }
 
-const SurfaceRecord& SurfaceBlocks::compute(SurfaceBlock& block) const
+const SurfaceRecord& SurfaceBlocks::compute(std::uint32_t block) const
 {
   Worker& own = worker();
-  Chunk* kept = own.writer.room();
-  SurfaceRecord& record = kept ? kept->records[own.writer.index()] : own.unkept;
-  evaluate(block, own, record);
-  if (kept)
+  // Neighbours in Morton order cost a fraction each, and rays are about to come to most of them. They must not take the
+  // room of what rays do come to.
+  const bool isRoomy = pool_.byteSize() < budgetBytes_ / 4;
+  const std::size_t first = isRoomy ? block / together * together : block;
+  const std::size_t end = isRoomy ? std::min(first + together, blocks_.size()) : first + 1;
+  const SurfaceRecord* asked = nullptr;
+  for (std::size_t i = first; i < end; ++i)
   {
-    std::atomic_ref(block.record_).store(own.writer.keep(), std::memory_order_release);
+    SurfaceBlock& neighbour = blocks_[i];
+    Chunk* kept = i == block || !(neighbour.isNarrowed() || isKept(static_cast<std::uint32_t>(i)))
+      ? own.writer.room()
+      : nullptr;
+    if (!kept)
+    {
+      continue;
+    }
+    SurfaceRecord& record = kept->records[own.writer.index()];
+    evaluate(neighbour, own, record);
+    neighbour.narrow(record.active);
+    computed_.fetch_add(1, std::memory_order_relaxed);
+    if (record.active != 0)
+    {
+      asked = i == block ? &record : asked;
+      std::atomic_ref(neighbour.record_).store(own.writer.keep(), std::memory_order_release);
+    }
+    else if (i == block)
+    {
+      own.unkept.active = 0; // all that matters of it
+      asked = &own.unkept;
+    }
   }
-  else
+  if (!asked)
   {
+    evaluate(blocks_[block], own, own.unkept);
+    blocks_[block].narrow(own.unkept.active);
+    computed_.fetch_add(1, std::memory_order_relaxed);
     unkept_.fetch_add(1, std::memory_order_relaxed);
+    asked = &own.unkept;
   }
-  return record;
+  return *asked;
 }
 
 void SurfaceBlocks::startFrame() const

@@ -1,8 +1,9 @@
 // The inner nodes through whose leaves isosurfaces pass, and their vertex values.
 //
 // The paper's section 6.2 keeps octants and dual cells with eight values each. Here a primitive is an inner node
-// with all its leaf children, 24 bytes for up to 64 octants: the ranges of the nodes find candidates, their vertex
-// values decide. The values themselves are kept where memory is plenty, and else computed again where rays come.
+// with all its leaf children, 24 bytes for up to 64 octants, found by the ranges of the nodes alone. Its vertex values,
+// which tell the octants that the surface passes through, are computed where rays come, and kept where memory is
+// plenty.
 #pragma once
 
 #include "Interpolation/BlockValues.h"
@@ -17,6 +18,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace treeamr
@@ -43,19 +45,29 @@ public:
   int depth() const noexcept { return depth_; }
   Coord index(int axis) const noexcept { return static_cast<Coord>(high_[axis]) << 32 | low_[axis]; }
 
-  /// Octants x + 4 y + 16 z, at least one.
-  void setActive(std::uint64_t octants) noexcept;
-  int firstActive(int axis) const noexcept { return extent_[axis] & 7; }
-  int endActive(int axis) const noexcept { return extent_[axis] >> 3; }
+  /// By axis the octants that may be active; all of them until the block's values have been computed.
+  int firstActive(int axis) const noexcept { return extent(axis) & 7; }
+  int endActive(int axis) const noexcept { return extent(axis) >> 3; }
+  bool isEmpty() const noexcept { return endActive(0) == 0; }
+  bool isNarrowed() const noexcept { return extent(0) != all || extent(1) != all || extent(2) != all; }
 
 private:
   friend class SurfaceBlocks;
+
+  static constexpr std::uint8_t all = 4 << 3;
+
+  /// To octants x + 4 y + 16 z. Several threads may, to the same ones, while others look.
+  void narrow(std::uint64_t octants) noexcept;
+  int extent(int axis) const noexcept
+  {
+    return std::atomic_ref(const_cast<std::uint8_t&>(extent_[axis])).load(std::memory_order_relaxed);
+  }
 
   std::array<std::uint32_t, 3> low_;
   std::uint32_t record_ = 0; // where the values are kept; 0: not yet
   std::array<std::uint8_t, 3> high_;
   std::int8_t depth_;
-  std::array<std::uint8_t, 3> extent_{};
+  std::array<std::uint8_t, 3> extent_{ all, all, all };
 };
 static_assert(sizeof(SurfaceBlock) == 24);
 
@@ -95,24 +107,32 @@ public:
   const LargeVector<SurfaceBlock>& all() const noexcept { return blocks_; }
   const std::vector<double>& isovalues() const noexcept { return isovalues_; }
   const Field& field() const noexcept { return *field_; }
+  bool isKept(std::uint32_t block) const noexcept
+  {
+    return std::atomic_ref(blocks_[block].record_).load(std::memory_order_relaxed) != 0;
+  }
   /// Valid until the thread's next call, for ever when it is kept.
   const SurfaceRecord& record(std::uint32_t block) const
   {
     const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
-    return number != 0 ? pool_.chunkOf(number).records[number % Chunk::size] : compute(blocks_[block]);
+    return number != 0 ? pool_.chunkOf(number).records[number % Chunk::size] : compute(block);
   }
 
   /// Call when no thread asks for records, before a frame. When the budget is used up and most of the records of
   /// the last frame were not kept, forgets all, so that a new view gets its share.
   void startFrame() const;
 
-  /// Active octants of all blocks.
-  std::uint64_t octantCount() const noexcept { return octants_; }
+  /// How often values were computed, and the extent of a block may have become narrower.
+  std::uint64_t computedCount() const noexcept { return computed_; }
+  /// Active octants of all blocks. The first call computes the values of all that are not kept.
+  std::uint64_t octantCount() const;
   /// Allocated bytes: of the blocks, and of the records.
   std::size_t byteSize() const noexcept;
   std::size_t keptBytes() const noexcept { return pool_.byteSize(); }
 
 private:
+  static constexpr std::size_t together = 8; // values that are computed at once
+
   struct Chunk
   {
     static constexpr std::uint32_t size = 256;
@@ -125,11 +145,10 @@ private:
     SurfaceRecord unkept;
   };
 
-  /// Leaves the active of all blocks. keep: and their values, while there is room.
-  void findActive(bool keep);
   Worker& worker() const;
   void evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept;
-  const SurfaceRecord& compute(SurfaceBlock& block) const;
+  /// And those of its neighbours, while there is room.
+  const SurfaceRecord& compute(std::uint32_t block) const;
   /// Which octants of drawn leaves an isovalue passes through, of a record's values and tolerance; and whether it is
   /// mixed.
   void findActiveOctants(SurfaceRecord& record, unsigned drawn) const noexcept;
@@ -137,8 +156,10 @@ private:
   std::shared_ptr<const Field> field_;
   std::vector<double> isovalues_;
   mutable LargeVector<SurfaceBlock> blocks_; // rays add their records
-  std::uint64_t octants_ = 0;
+  mutable std::optional<std::uint64_t> octants_;
+  mutable std::atomic<std::uint64_t> computed_{ 0 };
   mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records computed since startFrame()
+  std::size_t budgetBytes_;
   mutable ChunkPool<Chunk> pool_;
   mutable tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers_;
 };

@@ -2,6 +2,7 @@
 
 #include "PaperPrimitives.h"
 #include "RayTracing/SurfaceBlocks.h"
+#include "Scene.h"
 
 namespace treeamr::bench
 {
@@ -41,10 +42,24 @@ IsosurfaceCosts measureIsosurface(
   costs.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes); });
   costs.construction =
     best([&] { surface.reset(); }, [&] { surface = std::make_unique<Isosurface>(field, isovalues); });
-  const auto render = [&] { surface->render(camera, SurfaceLayers::Nearest, hits); };
+  const auto render = [&] {
+    surface->startFrame();
+    surface->render(camera, SurfaceLayers::Nearest, hits);
+  };
   costs.coldFrame = measure(render);
   costs.frame = best(render);
   costs.statistics = surface->statistics();
+  const Camera fewRays = makeCamera(camera.width() / 10);
+  costs.draft = best([&] { surface->render(fewRays, SurfaceLayers::Nearest, hits); });
+  surface = std::make_unique<Isosurface>(field, std::vector<double>{ 0.4 * isovalue, 0.9 * isovalue });
+  const auto renderTwo = [&](SurfaceLayers layers) {
+    return best([&] {
+      surface->startFrame();
+      surface->render(camera, layers, hits);
+    });
+  };
+  costs.opaqueOfTwo = renderTwo(SurfaceLayers::Nearest);
+  costs.layersOfTwo = renderTwo(SurfaceLayers::All);
   return costs;
 }
 
@@ -75,6 +90,10 @@ std::vector<Figure> isosurfaceFigures(
     { "kept_bytes", static_cast<double>(own.statistics.keptBytes), "kept MiB", 0, 1. / 1048576. },
     { "cpu_s_frame", own.frame.cpu, "CPU-s", 3 },
     { "cpu_s_frame_cold", own.coldFrame.cpu, "cold CPU-s", 3 },
+    { "cpu_s_new_isovalue", own.construction.cpu + own.coldFrame.cpu, "new value", 3 },
+    { "cpu_s_draft", own.draft.cpu, "draft", 4 },
+    { "cpu_s_two_opaque", own.opaqueOfTwo.cpu, "two opaque", 3 },
+    { "cpu_s_two_layers", own.layersOfTwo.cpu, "all layers", 3 },
   };
 }
 

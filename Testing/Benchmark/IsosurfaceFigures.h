@@ -19,7 +19,11 @@ struct IsosurfaceCosts
   Cost construction; // extraction and hierarchy
   Cost coldFrame;    // the first after it
   Cost frame;
+  Cost draft;                      // a hundredth of the frame's rays
   IsosurfaceStatistics statistics; // after the frames
+  // Of two surfaces, at 4/10 and 9/10 of the isovalue.
+  Cost opaqueOfTwo;
+  Cost layersOfTwo; // all of them
 };
 IsosurfaceCosts measureIsosurface(
   const std::shared_ptr<const Field>& field, double isovalue, const Camera& camera);

@@ -216,7 +216,7 @@ protected:
   const Work makeSurface_ = [this] {
     const Isosurface surface(field_, { 0.8, 1.1 });
     const IsosurfaceStatistics statistics = surface.statistics();
-    return Result{ static_cast<double>(statistics.octants), static_cast<double>(statistics.blocks) };
+    return Result{ static_cast<double>(surface.octantCount()), static_cast<double>(statistics.blocks) };
   };
 
   static void failOneByOne(const Work& work, std::atomic<long>& countdown, long lostBlocks)

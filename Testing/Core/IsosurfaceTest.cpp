@@ -126,7 +126,7 @@ TEST(Isosurface, OfALinearFieldIsAPlane)
   const auto field = makeField(grid, cells);
   const float isovalue = 1.31f;
   const Isosurface surface(field, { isovalue });
-  EXPECT_GT(surface.statistics().octants, 100u);
+  EXPECT_GT(surface.octantCount(), 100u);
   std::mt19937 random(8);
   std::uniform_real_distribution<double> inside(0.75, 1.25);
   for (int i = 0; i < 20000; ++i)
@@ -475,7 +475,6 @@ TEST(Isosurface, HitsDoNotDependOnTheBudget)
   const Isosurface all(field, { 0. });
   constexpr std::size_t budget = 300 << 10;
   Isosurface few(field, { 0. }, budget);
-  ASSERT_GT(all.statistics().keptBytes, 3 * budget);
   for (int view = 0; view < 4; ++view)
   {
     const double angle = 1.5 * view;
@@ -497,6 +496,42 @@ TEST(Isosurface, HitsDoNotDependOnTheBudget)
       ASSERT_EQ(hits.hits[i].gradient, expected.hits[i].gradient);
     }
   }
+  ASSERT_GT(all.statistics().keptBytes, 3 * budget);
+}
+
+// A new isovalue costs a search and a hierarchy; values come with rays, which narrow the hierarchy later.
+TEST(Isosurface, IsLookedAtWhereRaysComeAndHitsDoNotDependOnIt)
+{
+  const RandomTree options{ 12, { 2, 1, 1 }, 5, 0.6, 0.1, false };
+  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  const Isosurface surface(field, { 0.1 });
+  const Isosurface known(field, { 0.1 });
+  const std::uint64_t octants = known.octantCount();
+  EXPECT_GT(octants, 1000u);
+  const std::size_t before = surface.statistics().keptBytes;
+  const double built = surface.statistics().hierarchySeconds;
+  const Camera camera(
+    multiply(perspective(50., 1., 20.), lookAt({ 4., 2., 3. }, { 1., 0.5, 0.5 })), identityMatrix, 100, 100);
+  for (const SurfaceLayers layers : { SurfaceLayers::Nearest, SurfaceLayers::All })
+  {
+    HitImage first;
+    HitImage second;
+    surface.startFrame();
+    surface.render(camera, layers, first);
+    surface.startFrame();
+    surface.render(camera, layers, second);
+    ASSERT_EQ(first.first, second.first);
+    ASSERT_GT(first.hits.size(), 500u);
+    for (std::size_t i = 0; i < first.hits.size(); ++i)
+    {
+      ASSERT_EQ(first.hits[i].t, second.hits[i].t);
+      ASSERT_EQ(first.hits[i].block, second.hits[i].block);
+      ASSERT_EQ(first.hits[i].gradient, second.hits[i].gradient);
+    }
+  }
+  EXPECT_GT(surface.statistics().keptBytes, before + (std::size_t(100) << 10));
+  EXPECT_GT(surface.statistics().hierarchySeconds, built); // was built again
+  EXPECT_EQ(surface.octantCount(), octants);
 }
 
 TEST(Isosurface, FramesAreThoseOfSingleRays)
