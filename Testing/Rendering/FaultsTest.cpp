@@ -172,6 +172,7 @@ TEST_F(FaultsTest, noMemoryAmidAmbientOcclusion)
   mapper->SetValue(1, 0.2);
   mapper->SetAmbientOcclusionRadius(0.2);
   mapper->SetAmbientOcclusionSamples(6);
+  mapper->AutoAdjustSampleDistancesOff();
   const Pixels expected = scene.render();
   vtkCamera* camera = scene.renderer->GetActiveCamera();
   for (const int frame : { 1, 2 })
