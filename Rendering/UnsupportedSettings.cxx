@@ -5,7 +5,6 @@
 #include "vtkPiecewiseFunction.h"
 #include "vtkPlaneCollection.h"
 #include "vtkProperty.h"
-#include "vtkRenderer.h"
 #include "vtkShaderProperty.h"
 #include "vtkTexture.h"
 #include "vtkVolume.h"
@@ -77,8 +76,7 @@ bool anyComponent(int first, const IsSet& isSet)
 
 } // namespace
 
-SettingNames unsupportedSettings(
-  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces)
+SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces)
 {
   vtkVolumeProperty* property = volume->GetProperty();
   // Asking for functions that were never set would make them; colours tell by their channels.
@@ -87,18 +85,17 @@ SettingNames unsupportedSettings(
   return namesOf({
     { "Cropping", mapper->GetCropping() != 0 },
     { "ClippingPlanes", hasClippingPlanes(mapper) },
-    { "Shade of a volume without isosurfaces", property->GetShade() && !hasSurfaces },
+    { "Shade without isosurfaces", property->GetShade() && !hasSurfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
     { "GradientOpacity", hasGradientOpacity(property) },
     { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
     { "IndependentComponents off", !property->GetIndependentComponents() },
-    { "Color of a second component", hasSecondComponent },
+    { "SetColor(1, ...)", hasSecondComponent },
     { "ComponentWeight", hasWeights },
-    { "Functions of labels", property->GetNumberOfLabels() > 0 },
+    { "LabelColor, LabelScalarOpacity, LabelGradientOpacity", property->GetNumberOfLabels() > 0 },
     { "UseClippedVoxelIntensity", property->GetUseClippedVoxelIntensity() != 0 },
     { "ScatteringAnisotropy", property->GetScatteringAnisotropy() != 0.f },
     { "ShaderProperty", hasShaderCode(volume) },
-    { "Hardware selection of a volume", renderer->GetSelector() && volume->GetPickable() },
   });
 }
 

@@ -7,7 +7,6 @@
 
 class vtkActor;
 class vtkMapper;
-class vtkRenderer;
 class vtkVolume;
 class vtkVolumeMapper;
 
@@ -17,9 +16,8 @@ namespace treeamr
 /// VTK's names of what a scene asks for in vain.
 using SettingNames = std::vector<std::string>;
 
-/// Empty for VTK's defaults. hasSurfaces: whether there is something for vtkVolumeProperty::Shade to light.
-SettingNames unsupportedSettings(
-  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces);
+/// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what else there is. hasSurfaces: whether there is something for vtkVolumeProperty::Shade to light.
+SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces);
 SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper);
 
 /// Says each once.

@@ -324,10 +324,10 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkRenderer* renderer, vtkVolume* volume)
+void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 {
   const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
-  this->Private->Warnings.add(treeamr::unsupportedSettings(renderer, volume, this, hasSurfaces),
+  this->Private->Warnings.add(treeamr::unsupportedSettings(volume, this, hasSurfaces),
     [this](const std::string& message) { vtkWarningMacro(<< message); });
 }
 
@@ -637,11 +637,11 @@ void vtkTreeAMRVolumeMapper::Report(const char* message, vtkVolume* volume)
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
-  this->WarnOfSettings(renderer, volume);
   if (renderer->GetSelector())
   {
-    return;
+    return; // as if there were no volume
   }
+  this->WarnOfSettings(volume);
   this->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();

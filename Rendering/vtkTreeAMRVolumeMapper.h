@@ -16,7 +16,8 @@
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons through
  * dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. What VTK's volume
  * mappers do besides warns once when it is asked for: shading of the volume itself, gradient opacity,
- * two-dimensional functions, components with functions of their own, cropping, clipping planes, hardware selection.
+ * two-dimensional functions, components with functions of their own, cropping, clipping planes. Selections pass
+ * through volumes.
  * The property's interpolation type is not asked: the field is always continuous, but for categories.
  *
  * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
@@ -233,7 +234,7 @@ private:
   struct Internals;
 
   void CheckSettings();
-  void WarnOfSettings(vtkRenderer* renderer, vtkVolume* volume);
+  void WarnOfSettings(vtkVolume* volume);
   bool ShowsVolume() const;
   treeamr::ArraySelection SelectArray();
   void UpdateField(vtkVolume* volume);

@@ -174,20 +174,13 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
     { "GradientOpacity", [&] { property->SetGradientOpacity(function); } },
     { "TransferFunctionMode", [&] { property->SetTransferFunctionModeTo2D(); } },
     { "IndependentComponents", [&] { property->IndependentComponentsOff(); } },
-    { "Color of a second component", [&] { property->SetColor(1, colors); } },
+    { "SetColor(1, ...)", [&] { property->SetColor(1, colors); } },
     { "ComponentWeight", [&] { property->SetComponentWeight(0, 0.5); } },
-    { "labels", [&] { property->SetLabelScalarOpacity(1, function); } },
+    { "LabelScalarOpacity", [&] { property->SetLabelScalarOpacity(1, function); } },
     { "UseClippedVoxelIntensity", [&] { property->UseClippedVoxelIntensityOn(); } },
     { "ScatteringAnisotropy", [&] { property->SetScatteringAnisotropy(0.5f); } },
     { "ShaderProperty",
       [&] { volume_->GetShaderProperty()->AddFragmentShaderReplacement("//VTK::Color", true, "//", true); } },
-    { "Hardware selection",
-      [&] {
-        vtkNew<vtkHardwareSelector> selector;
-        selector->SetRenderer(scene_.renderer);
-        selector->SetArea(0, 0, 50, 40);
-        vtkSmartPointer<vtkSelection>::Take(selector->Select());
-      } },
   };
   for (const auto& [name, set] : settings)
   {
@@ -199,6 +192,26 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
     EXPECT_NE(messages.warnings[0].find(name), std::string::npos) << messages.warnings[0];
   }
   EXPECT_TRUE(messages.errors.empty());
+  volumeMapper_->RemoveAllObservers();
+}
+
+// A selection is made for whatever else there is, and passes through volumes without a word.
+TEST_F(MapperSettingsTest, selectionsPassThroughVolumes)
+{
+  MessageCounter messages(volumeMapper_);
+  scene_.render();
+  vtkNew<vtkHardwareSelector> selector;
+  selector->SetRenderer(scene_.renderer);
+  const auto select = [&](vtkActor* alone) {
+    surface_->SetVisibility(alone != nullptr);
+    const int* size = scene_.renderer->GetSize();
+    selector->SetArea(0, 0, size[0] - 1, size[1] - 1);
+    return vtkSmartPointer<vtkSelection>::Take(selector->Select())->GetNumberOfNodes();
+  };
+  EXPECT_EQ(select(nullptr), 0u);
+  EXPECT_EQ(select(surface_), 1u);
+  EXPECT_TRUE(messages.errors.empty());
+  EXPECT_TRUE(messages.warnings.empty());
   volumeMapper_->RemoveAllObservers();
 }
 
