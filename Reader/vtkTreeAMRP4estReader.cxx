@@ -283,7 +283,8 @@ void vtkTreeAMRP4estReader::SetCellArrayStatus(const char* name, int status)
 }
 
 // ParaView tells the statuses of a saved state before the Payload whose arrays they are, together with those
-// of the arrays there were until then. A list with arrays on and others off is meant as a whole.
+// of the arrays there were until then. A list with arrays on and others off is meant as a whole, and so is one that
+// turns off all arrays that this reader has told of: that is what an empty list in a Python state comes to.
 void vtkTreeAMRP4estReader::SetSelectableArrays(const std::vector<std::string>& names)
 {
   vtkDataArraySelection* const selection = this->CellDataArraySelection;
@@ -306,7 +307,10 @@ void vtkTreeAMRP4estReader::SetSelectableArrays(const std::vector<std::string>& 
     list.push_back(name.c_str());
     someOn = someOn || selection->ArrayIsEnabled(name.c_str());
   }
-  selection->SetArraysWithDefault(list.data(), static_cast<int>(list.size()), !(someOff && someOn));
+  const bool allOff = someOff && selection->GetNumberOfArraysEnabled() == 0 && this->HasToldOfArrays;
+  selection->SetArraysWithDefault(
+    list.data(), static_cast<int>(list.size()), !allOff && !(someOff && someOn));
+  this->HasToldOfArrays = true;
 }
 
 bool vtkTreeAMRP4estReader::IsSelected(const std::string& name)

@@ -14,7 +14,8 @@
  *
  * The cell data selection has the arrays there are, all of them on: those that are off take neither memory
  * nor time. Turn an array off before UpdateInformation() has told of it, and it stays off. When some are off
- * and some on, those that nobody named are off, too; a name that is on among them must be one of an array.
+ * and some on, or all that UpdateInformation() has told of are off, those that nobody named are off, too; a name
+ * that is on among them must be one of an array.
  *
  * A coarse cell has the mean of its eight children in arrays of float and double, and the value of its first
  * child in arrays of integers.
@@ -104,6 +105,7 @@ private:
   void Remark(const std::string& path, const std::string& remark);
 
   vtkNew<vtkDataArraySelection> CellDataArraySelection;
+  bool HasToldOfArrays = false;
   std::set<std::string> UnknownArrays;
   std::string LastRemark;
 

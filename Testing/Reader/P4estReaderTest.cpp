@@ -612,6 +612,36 @@ TEST_F(P4estReaderTest, SelectionBeforeThePayload)
   EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "a", "b", "d", "level", "treeid" }));
 }
 
+// As a Python state does for an empty list: it turns off what there is without a payload, then come the arrays.
+TEST_F(P4estReaderTest, AllArraysOffStayOffWithAnotherPayload)
+{
+  const std::string path = folder_.file("forest.p8est");
+  smallBrick().save(path);
+  reader_->SetFileName(path.c_str());
+  reader_->UpdateInformation();
+  reader_->GetCellDataArraySelection()->DisableAllArrays();
+  reader_->SetPayload("float a; float b; float c");
+  reader_->SetGenerateLevel(true);
+  for (int i = 0; i < 2; ++i)
+  {
+    reader_->Modified();
+    reader_->Update();
+    EXPECT_EQ(this->arraysRead(), std::vector<std::string>{});
+    EXPECT_EQ(reader_->GetNumberOfCellArrays(), 5);
+  }
+  reader_->GetCellDataArraySelection()->EnableArray("b");
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), std::vector<std::string>{ "b" });
+
+  // What is turned off before the reader has told of anything leaves the others on.
+  const auto fresh = vtkSmartPointer<vtkTreeAMRP4estReader>::New();
+  fresh->SetFileName(path.c_str());
+  fresh->SetPayload("float a; float b; float c");
+  fresh->SetCellArrayStatus("a", 0);
+  fresh->Update();
+  EXPECT_EQ(fresh->GetHyperTreeGridOutput()->GetCellData()->GetNumberOfArrays(), 2);
+}
+
 TEST_F(P4estReaderTest, UnknownSelectedArraysAreAWarning)
 {
   const std::string path = folder_.file("forest.p8est");
