@@ -19,6 +19,7 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -193,6 +194,22 @@ void ClearOutside(vtkDataArray* array, const std::vector<char>& valid)
   }
 }
 
+/// Throws Error unless the points come first and the grid second.
+void CheckInputs(vtkDataObject* input, vtkDataObject* source)
+{
+  const bool inputIsGrid = vtkHyperTreeGrid::SafeDownCast(input) != nullptr;
+  const bool sourceIsGrid = vtkHyperTreeGrid::SafeDownCast(source) != nullptr;
+  if (inputIsGrid || !sourceIsGrid)
+  {
+    throw treeamr::Error(std::string("probe: Input is a ") + input->GetClassName() + " and Source a " +
+      source->GetClassName() +
+      "; allowed are a vtkDataSet, which has the points, as Input and a vtkHyperTreeGrid, which has the "
+      "values, as "
+      "Source" +
+      (inputIsGrid && !sourceIsGrid ? ": exchange the two" : ""));
+  }
+}
+
 /// The arrays whose names are not taken, and their roles where free.
 void PassArrays(vtkDataSetAttributes* from, vtkDataSetAttributes* to)
 {
@@ -262,9 +279,26 @@ vtkHyperTreeGrid* vtkTreeAMRProbeFilter::GetSource()
     : nullptr;
 }
 
-int vtkTreeAMRProbeFilter::FillInputPortInformation(int port, vtkInformation* info)
+// Each takes what is meant for the other, so that RequestData() can tell which is which.
+int vtkTreeAMRProbeFilter::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), port == 0 ? "vtkDataSet" : "vtkHyperTreeGrid");
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkHyperTreeGrid");
+  return 1;
+}
+
+int vtkTreeAMRProbeFilter::RequestDataObject(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  if (vtkDataSet::GetData(inputVector[0]))
+  {
+    return this->Superclass::RequestDataObject(request, inputVector, outputVector);
+  }
+  if (!vtkDataSet::GetData(outputVector))
+  {
+    vtkNew<vtkPolyData> empty;
+    outputVector->GetInformationObject(0)->Set(vtkDataObject::DATA_OBJECT(), empty);
+  }
   return 1;
 }
 
@@ -302,11 +336,12 @@ int vtkTreeAMRProbeFilter::RequestUpdateExtent(
 int vtkTreeAMRProbeFilter::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  vtkDataSet* input = vtkDataSet::GetData(inputVector[0]);
-  vtkHyperTreeGrid* source = vtkHyperTreeGrid::GetData(inputVector[1]);
   vtkDataSet* output = vtkDataSet::GetData(outputVector);
   try
   {
+    CheckInputs(vtkDataObject::GetData(inputVector[0]), vtkDataObject::GetData(inputVector[1]));
+    vtkDataSet* input = vtkDataSet::GetData(inputVector[0]);
+    vtkHyperTreeGrid* source = vtkHyperTreeGrid::GetData(inputVector[1]);
     output->CopyStructure(input);
     this->Probe(input, source, output);
     if (this->PassPointArrays)

@@ -2,11 +2,12 @@
  * @class   vtkTreeAMRProbeFilter
  * @brief   the reconstructed arrays of a vtkHyperTreeGrid at the points of a data set
  *
- * Input 0 gives the points, input 1 (Source) the grid. The output has the geometry of input 0 and, as point
- * arrays, the numeric cell arrays of the grid (all but vtkGhostType, or those that GetCellDataArraySelection()
- * enables) under their own names, all components interpolated one by one, and on request "<name>_gradient" with three components per component of the
- * array (d/dx, d/dy, d/dz of the first, then of the second ...). Arrays of double give double, all others
- * float, but for NEAREST; gradients are double, as differences over short ways may be beyond float.
+ * Input 0 gives the points, input 1 (Source) the grid; exchanged they are an error that says so. The output has
+ * the geometry of input 0 and, as point arrays, the numeric cell arrays of the grid (all but vtkGhostType, or
+ * those that GetCellDataArraySelection() enables) under their own names, all components interpolated one by one,
+ * and on request "<name>_gradient" with three components per component of the array (d/dx, d/dy, d/dz of the
+ * first, then of the second ...). Arrays of double give double, all others float, but for NEAREST; gradients are
+ * double, as differences over short ways may be beyond float.
  *
  * The array named ValidPointMaskArrayName is 1 at points inside a cell (ghosts too) and 0 outside, where
  * values and gradients are 0. A point in a cell whose value is not finite in one array only is NaN in that
@@ -117,6 +118,7 @@ protected:
   ~vtkTreeAMRProbeFilter() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestDataObject(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;

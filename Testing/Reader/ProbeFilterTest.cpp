@@ -10,6 +10,7 @@
 #include "vtkCellData.h"
 #include "vtkCharArray.h"
 #include "vtkCommand.h"
+#include "vtkCompositeDataPipeline.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
@@ -17,6 +18,7 @@
 #include "vtkHyperTreeGrid.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -345,6 +347,59 @@ TEST(ProbeFilter, LeavesOutSingleArraysWithAWarning)
   EXPECT_NE(warnings.messages()[0].find("finite value in array 'scalar'"), std::string::npos);
   EXPECT_FALSE(probe->GetOutput()->GetPointData()->HasArray("scalar"));
   EXPECT_TRUE(probe->GetOutput()->GetPointData()->HasArray("vector"));
+}
+
+TEST(ProbeFilter, SaysWhichInputIsTheGrid)
+{
+  const auto grid = makeUniformlyRefinedGrid(2);
+  const auto points = randomPoints({ 0., 1., 0., 1., 0., 1. }, 3);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  const MessageCatcher errors(probe, vtkCommand::ErrorEvent);
+  const MessageCatcher pipelineErrors(probe->GetExecutive(), vtkCommand::ErrorEvent);
+  const std::string allowed = "; allowed are a vtkDataSet, which has the points, as Input and a "
+                              "vtkHyperTreeGrid, which has the values, as Source";
+  const auto expectError = [&](vtkDataObject* input, vtkDataObject* source, const std::string& message) {
+    probe->SetInputDataObject(0, input);
+    probe->SetInputDataObject(1, source);
+    const std::size_t before = errors.messages().size();
+    probe->Update();
+    ASSERT_EQ(errors.messages().size(), before + 1);
+    EXPECT_NE(errors.messages().back().find(message), std::string::npos) << errors.messages().back();
+    EXPECT_EQ(probe->GetOutput()->GetNumberOfPoints(), 0);
+  };
+  expectError(grid, points,
+    "probe: Input is a vtkHyperTreeGrid and Source a vtkPolyData" + allowed + ": exchange the two");
+  expectError(grid, grid, "probe: Input is a vtkHyperTreeGrid and Source a vtkHyperTreeGrid" + allowed);
+  expectError(points, points, "probe: Input is a vtkPolyData and Source a vtkPolyData" + allowed);
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(2, 2, 2);
+  probe->SetInputDataObject(0, image);
+  probe->SetInputDataObject(1, grid);
+  probe->Update();
+  EXPECT_TRUE(probe->GetOutput()->IsA("vtkImageData"));
+  EXPECT_NE(probe->GetOutput()->GetPointData()->GetArray("scalar"), nullptr);
+}
+
+// The pipeline probes its leaves one by one.
+TEST(ProbeFilter, TakesCompositePoints)
+{
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  blocks->SetBlock(0, randomPoints({ 0., 1., 0., 1., 0., 1. }, 3));
+  blocks->SetBlock(1, randomPoints({ 0., 1., 0., 1., 0., 1. }, 5));
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  vtkNew<vtkCompositeDataPipeline> pipeline;
+  probe->SetExecutive(pipeline);
+  probe->SetInputDataObject(0, blocks);
+  probe->SetInputDataObject(1, makeUniformlyRefinedGrid(2));
+  probe->Update();
+  auto* output = vtkMultiBlockDataSet::SafeDownCast(probe->GetOutputDataObject(0));
+  ASSERT_NE(output, nullptr);
+  for (const unsigned int i : { 0u, 1u })
+  {
+    auto* block = vtkPolyData::SafeDownCast(output->GetBlock(i));
+    ASSERT_NE(block, nullptr);
+    EXPECT_EQ(block->GetPointData()->GetArray("scalar")->GetNumberOfTuples(), 3 + 2 * vtkIdType(i));
+  }
 }
 
 TEST(ProbeFilter, ReportsGridsThatCannotBeProbed)
