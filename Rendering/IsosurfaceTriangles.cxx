@@ -124,17 +124,17 @@ int IsosurfaceTriangles::RequestData(
   {
     return 1;
   }
+  vtkSmartPointer<vtkDataArray> colors;
   try
   {
-    if (const auto colors = this->Colors(grid, output))
-    {
-      output->GetPointData()->SetScalars(colors);
-    }
+    colors = this->Colors(grid, output);
   }
   catch (const std::exception& error)
   {
     vtkWarningMacro(<< describe(error));
   }
+  // Isovalues that stayed the active scalars would be taken for colours.
+  colors ? output->GetPointData()->SetScalars(colors) : output->GetPointData()->SetActiveScalars(nullptr);
   return 1;
 }
 

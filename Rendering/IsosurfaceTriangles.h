@@ -13,7 +13,7 @@ namespace treeamr
 {
 
 /// From the mapper's input to the triangles of vtkTreeAMRContourFilter, with Normals and the isovalues; where the mapper
-/// colours by an array, the RGBA colours at the points are the active scalars. Errors leave the output empty or without
+/// colours by an array, the RGBA colours at the points are the active scalars, else there are none. Errors leave the output empty or without
 /// colours, and are said as the filter's.
 class IsosurfaceTriangles : public vtkPolyDataAlgorithm
 {

@@ -2,6 +2,8 @@
 
 #include "IsosurfaceTriangles.h"
 
+#include "vtkAlgorithm.h"
+#include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -22,7 +24,6 @@ struct vtkTreeAMRIsosurfaceActor::Polygons
 
   Polygons()
   {
-    this->Mapper->SetInputConnection(this->Triangles->GetOutputPort());
     this->Mapper->SetScalarModeToUsePointData();
     this->Actor->SetMapper(this->Mapper);
     this->Actor->SetUserMatrix(this->Matrix);
@@ -40,38 +41,83 @@ void vtkTreeAMRIsosurfaceActor::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Exported: " << (this->Exported ? "yes" : "no") << endl;
+  os << indent << "ExportedTriangles: " << this->ExportedTriangles.Get() << endl;
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceActor::GetActors(vtkPropCollection* actors)
+vtkTreeAMRIsosurfaceActor::Polygons* vtkTreeAMRIsosurfaceActor::UpdatePolygons()
 {
   auto mapper = vtkTreeAMRIsosurfaceMapper::SafeDownCast(this->Mapper);
   if (!mapper)
   {
-    this->Superclass::GetActors(actors);
-    return;
+    return nullptr;
   }
   if (!this->Exported)
   {
     this->Exported = std::make_unique<Polygons>();
   }
-  const Polygons& exported = *this->Exported;
-  exported.Triangles->SetMapper(mapper);
-  exported.Triangles->SetInputConnection(
+  this->Exported->Triangles->SetMapper(mapper);
+  this->Exported->Triangles->SetInputConnection(
     mapper->GetNumberOfInputConnections(0) > 0 ? mapper->GetInputConnection(0, 0) : nullptr);
-  this->GetMatrix(exported.Matrix);
-  exported.Actor->SetProperty(this->GetProperty());
-  exported.Actor->SetVisibility(this->GetVisibility());
-  actors->AddItem(exported.Actor);
+  return this->Exported.get();
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceActor::Render(vtkRenderer* renderer, vtkMapper* mapper)
+vtkPolyData* vtkTreeAMRIsosurfaceActor::GetTriangles()
+{
+  Polygons* polygons = this->UpdatePolygons();
+  if (!polygons || !vtkMath::AreBoundsInitialized(this->Mapper->GetBounds()))
+  {
+    return nullptr;
+  }
+  polygons->Triangles->Update();
+  return polygons->Triangles->GetOutput();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceActor::SetExportedTriangles(vtkAlgorithm* triangles)
+{
+  this->ExportedTriangles = triangles;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceActor::ReleaseTriangles()
 {
   if (this->Exported && this->Exported->Triangles->GetOutput()->GetNumberOfPoints() > 0)
   {
     this->Exported->Triangles->GetOutput()->ReleaseData();
     this->Exported->Triangles->Modified();
   }
-  this->Superclass::Render(renderer, mapper);
+  if (this->ExportedTriangles)
+  {
+    this->ExportedTriangles->GetOutputDataObject(0)->ReleaseData();
+    this->ExportedTriangles->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceActor::GetActors(vtkPropCollection* actors)
+{
+  Polygons* polygons = this->UpdatePolygons();
+  if (!polygons)
+  {
+    this->Superclass::GetActors(actors);
+    return;
+  }
+  vtkAlgorithm* triangles = this->ExportedTriangles ? this->ExportedTriangles : polygons->Triangles;
+  polygons->Mapper->SetInputConnection(triangles->GetOutputPort());
+  this->GetMatrix(polygons->Matrix);
+  polygons->Actor->SetProperty(this->GetProperty());
+  polygons->Actor->SetVisibility(this->GetVisibility());
+  actors->AddItem(polygons->Actor);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceActor::Render(vtkRenderer* renderer, vtkMapper* mapper)
+{
+  this->ReleaseTriangles();
+  if (!this->ExportedTriangles || vtkMath::AreBoundsInitialized(mapper->GetBounds()))
+  {
+    this->Superclass::Render(renderer, mapper);
+  }
 }

@@ -1,7 +1,13 @@
 #include "vtkSMTreeAMRIsosurfaceRepresentationProxy.h"
 
+#include "GatheredTriangles.h"
+
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVSession.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMSession.h"
+#include "vtkTreeAMRIsosurfaceRepresentation.h"
 
 #include <string>
 
@@ -18,6 +24,22 @@ void vtkSMTreeAMRIsosurfaceRepresentationProxy::PrintSelf(ostream& os, vtkIndent
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ContouredArrayModified: " << this->ContouredArrayModified << endl;
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRIsosurfaceRepresentationProxy::ObjectsHaveBeenCreated()
+{
+  this->Superclass::ObjectsHaveBeenCreated();
+  auto representation = vtkTreeAMRIsosurfaceRepresentation::SafeDownCast(this->GetClientSideObject());
+  vtkSMSession* session = this->GetSession();
+  const bool drawsAll = (session->GetProcessRoles() & vtkPVSession::RENDER_SERVER) != 0 &&
+    session->GetNumberOfProcesses(vtkPVSession::RENDER_SERVER) == 1;
+  if (representation && !drawsAll)
+  {
+    vtkNew<GatheredTriangles> triangles;
+    triangles->SetProxy(this);
+    representation->SetExportedTriangles(triangles);
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 // Keeps isovalues inside the range of the contoured array: when another array or component is chosen and none of
 // them lies inside its range, they become the one in the middle that they start with. Else nothing would be shown.
+//
+// Exporters, which run on the client, get the triangles of all processes that render when these are others than itself.
 
 #ifndef vtkSMTreeAMRIsosurfaceRepresentationProxy_h
 #define vtkSMTreeAMRIsosurfaceRepresentationProxy_h
@@ -21,6 +23,7 @@ protected:
   vtkSMTreeAMRIsosurfaceRepresentationProxy();
   ~vtkSMTreeAMRIsosurfaceRepresentationProxy() override;
 
+  void ObjectsHaveBeenCreated() override;
   void SetPropertyModifiedFlag(const char* name, int flag) override;
 
 private:

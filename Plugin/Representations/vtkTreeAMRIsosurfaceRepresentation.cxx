@@ -58,6 +58,8 @@ bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
 //------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
 {
+  // Not left to the actor, which a client does not draw.
+  this->Actor->ReleaseTriangles();
   this->Mapper->SetInputConnection(grid);
   this->Mapper->SetCompositeIndex(this->GridFlatIndex);
   const char* contoured = this->IsosurfaceArray.empty() ? nullptr : this->IsosurfaceArray.c_str();
@@ -144,6 +146,19 @@ void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionRadius(double radius
 void vtkTreeAMRIsosurfaceRepresentation::SetShadows(bool shadows)
 {
   this->Mapper->SetShadows(shadows);
+}
+
+//------------------------------------------------------------------------------
+vtkPolyData* vtkTreeAMRIsosurfaceRepresentation::GetTriangles()
+{
+  return this->Actor->GetTriangles();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetExportedTriangles(vtkAlgorithm* triangles)
+{
+  this->HasExportedTriangles = triangles != nullptr;
+  this->Actor->SetExportedTriangles(triangles);
 }
 
 //------------------------------------------------------------------------------

@@ -6,6 +6,8 @@
 #include "vtkNew.h" // for members
 #include "vtkTreeAMRRepresentation.h"
 
+class vtkAlgorithm;
+class vtkPolyData;
 class vtkProperty;
 class vtkScalarsToColors;
 class vtkTreeAMRIsosurfaceActor;
@@ -36,6 +38,13 @@ public:
   void SetShadows(bool shadows);
   ///@}
 
+  ///@{
+  /// What exporters write: the triangles of this process's part of the surfaces (null: none), and what a process that
+  /// has not all of the grid has exporters write in their place. Both are of the last picture.
+  vtkPolyData* GetTriangles();
+  void SetExportedTriangles(vtkAlgorithm* triangles);
+  ///@}
+
   /// Colours of the array chosen in the Coloring section. Without one the surface has the diffuse colour.
   void SetLookupTable(vtkScalarsToColors* colors);
   void SetMapScalars(bool map);
@@ -59,6 +68,7 @@ protected:
 
   vtkProp3D* GetProp() override;
   bool NeedsOrderedCompositing() override;
+  bool IsExportedWithoutTrees() override { return this->HasExportedTriangles; }
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
 
 private:
@@ -70,6 +80,7 @@ private:
   vtkNew<vtkTreeAMRIsosurfaceMapper> Mapper;
   std::string IsosurfaceArray;
   int IsosurfaceComponent = 0;
+  bool HasExportedTriangles = false;
 };
 
 #endif

@@ -181,7 +181,8 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
     this->UpdateMapper(producer);
     this->GetProp()->UseBoundsOn();
     // The mappers report a grid without trees as an error, but many ranks may have nothing to draw.
-    this->GetProp()->SetVisibility(this->GetVisibility() && hasTrees(producer));
+    this->GetProp()->SetVisibility(
+      this->GetVisibility() && (hasTrees(producer) || this->IsExportedWithoutTrees()));
   }
   return 1;
 }

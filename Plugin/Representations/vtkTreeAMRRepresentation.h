@@ -45,6 +45,8 @@ protected:
   virtual vtkProp3D* GetProp() = 0;
   /// Whether the prop blends, so that ranks must be composited in the order of their depth.
   virtual bool NeedsOrderedCompositing() = 0;
+  /// Whether exporters get something of the prop on a process without trees, so that it must be visible there, too.
+  virtual bool IsExportedWithoutTrees() { return false; }
   /// In every update of the view, on every rank, whether or not its pipeline has run: the place for what ranks decide
   /// together, as a reader that failed on one of them must not leave the others waiting.
   virtual void UpdateFromAllRanks() {}

@@ -1,6 +1,5 @@
 """The representation `Tree AMR Isosurface`."""
 
-import json
 import os
 import sys
 
@@ -200,25 +199,28 @@ for name, values in (('big', numpy.linspace(100, 200, n)), ('v', numpy.linspace(
         simple.ColorBy(self.representation, ("CELLS", "xyz"))
         self.representation.LookupTable.RGBPoints = [2, 0, 0, 1, 30, 1, 0, 0]
         simple.Render(self.view)
-        contour = simple.TreeAMRContour(
-            Input=self.source, ContourBy=["CELLS", "xyz"], Isosurfaces=[30.0, 2.0])
-        contour.UpdatePipeline()
-        points, triangles = (f() for f in (contour.GetDataInformation().GetNumberOfPoints,
-                                           contour.GetDataInformation().GetNumberOfCells))
+        points, triangles = scene.contoured(
+            self.source, ContourBy=["CELLS", "xyz"], Isosurfaces=[30.0, 2.0])
+
+        def path(extension):
+            return os.path.join(sys.argv[-1], "isosurface." + extension)
 
         def exported(extension):
-            path = os.path.join(sys.argv[-1], "isosurface." + extension)
-            simple.ExportView(path, view=self.view)
-            with open(path, encoding="utf-8") as file:
+            simple.ExportView(path(extension), view=self.view)
+            with open(path(extension), encoding="utf-8") as file:
                 return file.read()
 
-        gltf = json.loads(exported("gltf"))
-        (primitive,) = gltf["meshes"][0]["primitives"]
-        self.assertEqual(points, gltf["accessors"][primitive["attributes"]["POSITION"]]["count"])
-        self.assertEqual(points, gltf["accessors"][primitive["attributes"]["COLOR_0"]]["count"])
-        self.assertEqual(3 * triangles, gltf["accessors"][primitive["indices"]]["count"])
+        self.assertEqual((points, points, triangles), scene.exported(path("gltf"), self.view))
         self.assertEqual(triangles, exported("vrml").count(", -1,\n"))
         self.assertIn("<Color ", exported("x3d"))
+        # In their solid colour: that of the material alone.
+        simple.ColorBy(self.representation, None)
+        self.representation.DiffuseColor = [0, 1, 0]
+        self.assertEqual((points, 0, triangles), scene.exported(path("gltf"), self.view))
+        self.assertNotIn("<Color ", exported("x3d"))
+        self.assertIn("diffuseColor 0 1 0\n", exported("vrml"))
+        self.representation.Visibility = 0
+        self.assertEqual((0, 0, 0), scene.exported(path("gltf"), self.view))
 
 
 if __name__ == "__main__":

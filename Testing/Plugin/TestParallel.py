@@ -25,6 +25,11 @@ def render():
     for kind in ("Volume", "Isosurface"):
         representation.SetRepresentationType("Tree AMR " + kind)
         scene.picture(view, f"{kind}-{ranks}")
+    points, triangles = scene.contoured(
+        source, ContourBy=["CELLS", "Depth"], Isosurfaces=list(representation.Isovalues))
+    exported = scene.exported(os.path.join(sys.argv[-1], f"Isosurface-{ranks}.gltf"), view)
+    print("points, colours, triangles exported:", exported)
+    assert exported == (points, points, triangles)
     representation.SetRepresentationType("Tree AMR Volume")
     representation.ShowIsosurfaces = 1
     representation.IsosurfaceValues = [1.5, 2.5]

@@ -1,9 +1,11 @@
-"""Drafts, still frames and selections that a server renders, on one rank or more, for a client.
+"""Drafts, still frames, selections and exported surfaces that a server renders, on one rank or more, for a client.
 
 TestServer.py <port>                      a client of serve.py
 """
 
+import os
 import sys
+import tempfile
 
 import numpy
 from paraview import servermanager, simple
@@ -50,6 +52,26 @@ representation.SetRepresentationType("Tree AMR Isosurface")
 simple.Render(view)
 surface = scene.drawn(scene.shown(view.GetRenderWindow()))
 assert surface.mean() > 0.1
+
+# Exporters run on the client, which has no grid, and write the contour of all ranks.
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, "isosurface.gltf")
+    for isovalues, threshold in (([2.5], 0), ([1.5, 2.5], 1e6)):
+        representation.Isovalues = isovalues
+        view.RemoteRenderThreshold = threshold
+        points, triangles = scene.contoured(source, ContourBy=["CELLS", "Depth"], Isosurfaces=isovalues)
+        print(points, "points on", isovalues)
+        assert triangles > 1000
+        assert scene.exported(path, view) == (points, points, triangles)
+    simple.ColorBy(representation, None)
+    assert scene.exported(path, view) == (points, 0, triangles)
+    representation.Isovalues = [9.0]
+    assert scene.exported(path, view) == (0, 0, 0)
+    representation.Isovalues = [2.5]
+    representation.Visibility = 0
+    assert scene.exported(path, view) == (0, 0, 0)
+    representation.Visibility = 1
+
 simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=view)
 selection = servermanager._getPyProxy(source.GetSelectionInput(0))
 selected = selection.Input[0].IDs

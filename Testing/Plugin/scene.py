@@ -2,6 +2,7 @@
 
 import ctypes
 import gc
+import json
 import os
 import sys
 import unittest
@@ -78,6 +79,32 @@ def shown(window):
     picture.ReadFrontBufferOff()
     picture.Update()
     return array(picture.GetOutput())
+
+
+def exported(path, render_view):
+    """What a glTF exporter writes: the numbers of points, of colours and of triangles; zeros when nothing is written."""
+    simple.ExportView(path, view=render_view)
+    with open(path, encoding="utf-8") as file:
+        gltf = json.load(file)
+    meshes = gltf.get("meshes") or []
+    if not meshes:
+        return 0, 0, 0
+    ((primitive,),) = (mesh["primitives"] for mesh in meshes)
+    points, colours, corners = (
+        gltf["accessors"][accessor]["count"] if accessor is not None else 0
+        for accessor in (primitive["attributes"]["POSITION"], primitive["attributes"].get("COLOR_0"),
+                         primitive["indices"]))
+    return points, colours, corners // 3
+
+
+def contoured(source, **arguments):
+    """How many points and triangles a Tree AMR Contour has, on all ranks."""
+    contour = simple.TreeAMRContour(Input=source, **arguments)
+    contour.UpdatePipeline()
+    information = contour.GetDataInformation()
+    numbers = information.GetNumberOfPoints(), information.GetNumberOfCells()
+    simple.Delete(contour)
+    return numbers
 
 
 def array(image):

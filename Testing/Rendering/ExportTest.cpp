@@ -6,6 +6,7 @@
 #include "vtkCellData.h"
 #include "vtkCellPicker.h"
 #include "vtkCommand.h"
+#include "vtkCullerCollection.h"
 #include "vtkDoubleArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkLookupTable.h"
@@ -15,6 +16,7 @@
 #include "vtkPolyData.h"
 #include "vtkPropPicker.h"
 #include "vtkSelection.h"
+#include "vtkSphereSource.h"
 #include "vtkTreeAMRContourFilter.h"
 #include "vtkTreeAMRIsosurfaceActor.h"
 #include "vtkUnsignedCharArray.h"
@@ -148,7 +150,8 @@ TEST_F(ExportTest, HasTheColorsThatAreShown)
   table->SetTableRange(-1., 1.);
   table->SetAlphaRange(0.2, 0.9);
   table->Build();
-  EXPECT_FALSE(triangles()->GetPointData()->GetArray("Colors")); // solid
+  EXPECT_TRUE(triangles()->GetPointData()->GetArray("plane"));
+  EXPECT_FALSE(triangles()->GetPointData()->GetScalars()); // which would hide the solid colour
   colorBy("x", table);
   expectColors(
     table, [](const Point& p) { return p[0]; }, 3.);
@@ -231,6 +234,32 @@ TEST_F(ExportTest, OnlyExportersContour)
 
   actor->VisibilityOff();
   EXPECT_FALSE(exported()->GetVisibility());
+}
+
+TEST_F(ExportTest, OthersTrianglesTakeThePlaceOfItsOwn)
+{
+  vtkNew<vtkSphereSource> others;
+  others->Update();
+  const vtkIdType count = others->GetOutput()->GetNumberOfPolys();
+  const auto drawn = scene.render();
+  actor->SetExportedTriangles(others);
+  EXPECT_EQ(count, triangles()->GetNumberOfPolys());
+  EXPECT_EQ(contour()->GetNumberOfPolys(), actor->GetTriangles()->GetNumberOfPolys());
+  EXPECT_EQ(drawn, scene.render());
+  EXPECT_EQ(0, others->GetOutput()->GetNumberOfPolys()); // freed by the next picture
+  EXPECT_EQ(count, triangles()->GetNumberOfPolys());
+
+  // Of a process without trees, which has no picture and nothing to complain of.
+  GridOptions none;
+  none.trees = false;
+  mapper->SetInputData(makeGrid(none, {}));
+  EXPECT_FALSE(actor->GetTriangles());
+  scene.renderer->GetCullers()->RemoveAllItems();
+  EXPECT_NE(drawn, scene.render());
+  EXPECT_EQ(count, triangles()->GetNumberOfPolys());
+  mapper->SetInputData(grid);
+  actor->SetExportedTriangles(nullptr);
+  EXPECT_EQ(contour()->GetNumberOfPolys(), triangles()->GetNumberOfPolys());
 }
 
 TEST_F(ExportTest, WithoutInputThereIsNothing)
