@@ -403,8 +403,9 @@ double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view, bool isNew)
   }
   if (!isNew)
   {
-    return std::min(
-      view.SampleDistance, this->MinimumImageSampleDistance); // a still camera has the full picture
+    // A still camera has the full picture, but from the next frame on: several passes of one frame are one picture.
+    return view.PictureIsOfThisFrame ? view.SampleDistance
+                                     : std::min(view.SampleDistance, this->MinimumImageSampleDistance);
   }
   const double seconds =
     this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.Actor->GetAllocatedRenderTime();

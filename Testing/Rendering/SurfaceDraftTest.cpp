@@ -42,10 +42,12 @@ TEST_F(SurfaceDraftTest, hasTheDepthsOfThePlane)
 
 TEST_F(SurfaceDraftTest, isDrawnOnlyWhileSomethingMoves)
 {
-  for (const double opacity : { 1., 0.4 })
+  for (const auto& [opacity, peeling] :
+    { std::pair{ 1., false }, std::pair{ 0.4, false }, std::pair{ 0.4, true } })
   {
     Scene scene;
     vtkActor* actor = scene.addIsosurface(planeGrid(), "plane", 0.);
+    scene.renderer->SetUseDepthPeeling(peeling); // several passes of a frame are one frame
     actor->GetProperty()->SetOpacity(opacity);
     vtkTreeAMRIsosurfaceMapper* mapper = Scene::mapperOf(actor);
     mapper->SetInteractiveRenderTime(nothing);
