@@ -6,10 +6,6 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace treeamr
 {
 
@@ -36,29 +32,6 @@ std::vector<std::string> takenArrays(vtkHyperTreeGrid& grid, vtkDataArraySelecti
     }
   }
   return names;
-}
-
-std::string roundedIntegers(vtkDataArray& array)
-{
-  constexpr double exact = 1 << std::numeric_limits<float>::digits;
-  const int type = array.GetDataType();
-  if (type == VTK_FLOAT || type == VTK_DOUBLE || array.GetDataTypeSize() < 4)
-  {
-    return {};
-  }
-  double largest = 0.;
-  for (int c = 0; c < array.GetNumberOfComponents(); ++c)
-  {
-    const double* range = array.GetRange(c);
-    largest = std::max({ largest, std::abs(range[0]), std::abs(range[1]) });
-  }
-  if (array.GetNumberOfTuples() == 0 || largest <= exact)
-  {
-    return {};
-  }
-  return "hyper tree grid: cell array '" + std::string(array.GetName()) + "' has whole numbers up to " +
-    std::to_string(static_cast<long long>(std::min(largest, 9e18))) +
-    "; single precision rounds those beyond " + std::to_string(static_cast<int>(exact));
 }
 
 } // namespace treeamr

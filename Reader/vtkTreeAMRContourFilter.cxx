@@ -3,6 +3,8 @@
 
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
+#include "OnceReporter.h"
+#include "SinglePrecision.h"
 
 #include "Contour/Contour.h"
 #include "Error.h"
@@ -161,9 +163,10 @@ std::vector<float> SampleEach(
   return values;
 }
 
-/// A cell array at all points.
+/// A cell array at all points. warn(remark): what there is to say of it.
+template <class Warn>
 vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::string& name,
-  const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count)
+  const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count, const Warn& warn)
 {
   vtkDataArray* cells = input->GetCellData()->GetArray(name.c_str());
   const int components = cells ? cells->GetNumberOfComponents() : 0;
@@ -171,6 +174,7 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   for (int c = 0; !cells || (c < components && count > 0); ++c)
   {
     const auto field = treeamr::acquireField(input, { name, c }, false); // throws without the array
+    warn(treeamr::mergedDoubles(input, { name, c }, *field));
     for (const Surface& surface : surfaces)
     {
       const std::vector<float> values = &field->octree() == &octree
@@ -206,6 +210,7 @@ std::string NameOf(vtkDataArray* found, vtkInformation* wanted)
 } // namespace
 
 vtkTreeAMRContourFilter::vtkTreeAMRContourFilter()
+  : Warnings(std::make_unique<treeamr::OnceReporter>())
 {
   this->SetInputArrayToProcess(
     0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, vtkDataSetAttributes::SCALARS);
@@ -290,6 +295,7 @@ int vtkTreeAMRContourFilter::RequestData(
     {
       this->Contour(input, output);
     }
+    this->Warnings->endRound();
   }
   catch (const std::exception& e)
   {
@@ -305,6 +311,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   const std::string contouredName =
     NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
   const auto field = treeamr::acquireField(input, { contouredName, this->Component }, true);
+  this->Warn(treeamr::mergedDoubles(input, { contouredName, this->Component }, *field));
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;
@@ -375,15 +382,21 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
     }
     try
     {
-      pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points));
-      if (const std::string rounded = treeamr::roundedIntegers(*array); !rounded.empty())
-      {
-        vtkWarningMacro(<< rounded);
-      }
+      pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points,
+        [this](const treeamr::Remark& remark) { this->Warn(remark); }));
+      this->Warn(treeamr::roundedIntegers(*array));
     }
     catch (const treeamr::Error& e)
     {
-      vtkWarningMacro(<< e.what());
+      this->Warn({ e.what(), e.what() });
     }
+  }
+}
+
+void vtkTreeAMRContourFilter::Warn(const treeamr::Remark& remark)
+{
+  if (!remark.text.empty() && this->Warnings->isNews(remark.about))
+  {
+    vtkWarningMacro(<< remark.text);
   }
 }

@@ -11,8 +11,9 @@
  * SetInputArrayToProcess() chooses the cell array, the active scalars by default, and SetComponent() which of its
  * components counts. Every other numeric cell array (but vtkGhostType), or those that GetCellDataArraySelection()
  * enables, is interpolated at the points, component by component: arrays of double give double, all others float. A
- * point is NaN where an array has no finite value in the cells around. Of whole numbers beyond 2^24, which single
- * precision rounds, a warning says so. See HyperTreeGridConverter.h for the cells that are drawn.
+ * point is NaN where an array has no finite value in the cells around. Of whole numbers beyond 2^24, and of
+ * doubles that float merges, a warning says so, once until it goes away. See HyperTreeGridConverter.h for the
+ * cells that are drawn.
  *
  * The output does not depend on the number of threads. It is empty for a grid without trees; for a value that
  * is not finite and for a grid or array that cannot be converted there is an error, too.
@@ -24,9 +25,17 @@
 #include "vtkPolyDataAlgorithm.h"
 #include "vtkTreeAMRReaderModule.h"
 
+#include <memory> // for std::unique_ptr
+
 class vtkContourValues;
 class vtkDataArraySelection;
 class vtkHyperTreeGrid;
+
+namespace treeamr
+{
+class OnceReporter;
+struct Remark;
+} // namespace treeamr
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRContourFilter : public vtkPolyDataAlgorithm
 {
@@ -115,6 +124,9 @@ private:
   void operator=(const vtkTreeAMRContourFilter&) = delete;
 
   void Contour(vtkHyperTreeGrid* input, vtkPolyData* output);
+  void Warn(const treeamr::Remark& remark);
+
+  std::unique_ptr<treeamr::OnceReporter> Warnings;
 };
 
 #endif

@@ -3,6 +3,8 @@
 
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
+#include "OnceReporter.h"
+#include "SinglePrecision.h"
 
 #include "Error.h"
 #include "Interpolation/Sampler.h"
@@ -81,10 +83,10 @@ void SampleComponent(const treeamr::Sampler& sampler, vtkDataSet* input, int com
 }
 
 /// A cell array at all points, from one field after the other. Marks points inside its cells in `valid`. octrees: keeps
-/// those of the fields for the next arrays, as the cache does not.
+/// those of the fields for the next arrays, as the cache does not. remarks: gets what there is to say.
 ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::string& name,
   treeamr::InterpolationMethod method, bool gradients, std::vector<char>& valid,
-  std::vector<std::shared_ptr<const treeamr::Octree>>& octrees)
+  std::vector<std::shared_ptr<const treeamr::Octree>>& octrees, std::vector<treeamr::Remark>& remarks)
 {
   const vtkIdType points = input->GetNumberOfPoints();
   std::vector<char> inCells(points);
@@ -93,6 +95,7 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
   {
     auto field = treeamr::acquireField(source, { name, c }, false);
     octrees.push_back(field->sharedOctree());
+    remarks.push_back(treeamr::mergedDoubles(source, { name, c }, *field));
     if (!result.Values)
     {
       vtkDataArray* cells = source->GetCellData()->GetArray(name.c_str());
@@ -106,6 +109,7 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
     }
     SampleComponent(*treeamr::Sampler::create(method, std::move(field)), input, c, result, inCells);
   }
+  remarks.push_back(treeamr::roundedIntegers(*source->GetCellData()->GetArray(name.c_str())));
   std::transform(valid.begin(), valid.end(), inCells.begin(), valid.begin(), std::logical_or<>());
   return result;
 }
@@ -234,6 +238,7 @@ void PassArrays(vtkDataSetAttributes* from, vtkDataSetAttributes* to)
 } // namespace
 
 vtkTreeAMRProbeFilter::vtkTreeAMRProbeFilter()
+  : Warnings(std::make_unique<treeamr::OnceReporter>())
 {
   this->SetNumberOfInputPorts(2);
   this->SetValidPointMaskArrayName("vtkValidPointMask");
@@ -380,7 +385,7 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
   std::vector<char> valid(points);
   std::vector<std::shared_ptr<const treeamr::Octree>> octrees;
   std::vector<ArrayResult> results;
-  std::vector<std::string> complaints;
+  std::vector<treeamr::Remark> remarks;
   // Above the depth limit cells have means of leaves, which no array holds.
   const bool copies = this->InterpolationMethod == NEAREST && !IsLimited(source);
   std::vector<vtkIdType> places;
@@ -394,28 +399,29 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
         results.push_back(CopyArray(array, places, this->ComputeGradients, valid));
         continue;
       }
-      results.push_back(SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees));
-      complaints.push_back(treeamr::roundedIntegers(*source->GetCellData()->GetArray(name.c_str())));
+      results.push_back(
+        SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees, remarks));
     }
     catch (const treeamr::Error& e)
     {
-      complaints.push_back(e.what());
+      remarks.push_back({ e.what(), e.what() });
     }
   }
 
   if (results.empty())
   {
-    throw treeamr::Error(complaints.empty()
+    throw treeamr::Error(remarks.empty()
         ? "probe: the source has no numeric cell array that is named and selected"
-        : complaints.front());
+        : remarks.front().text);
   }
-  for (const std::string& complaint : complaints)
+  for (const treeamr::Remark& remark : remarks)
   {
-    if (!complaint.empty())
+    if (!remark.text.empty() && this->Warnings->isNews(remark.about))
     {
-      vtkWarningMacro(<< complaint);
+      vtkWarningMacro(<< remark.text);
     }
   }
+  this->Warnings->endRound();
   for (const ArrayResult& result : results)
   {
     for (vtkDataArray* array : { result.Values.Get(), result.Gradients.Get() })

@@ -16,7 +16,8 @@
  * NEAREST copies the tuples of the cells, as the numbers of their array's type: identifiers stay what they are.
  *
  * The other methods reconstruct values from floats, whatever the array's type: an array of 1e9 plus small
- * variations keeps about seven digits in all. Of whole numbers beyond 2^24 a warning says so.
+ * variations keeps about seven digits in all. Of whole numbers beyond 2^24, and of doubles that float merges, a
+ * warning says so, once until it goes away.
  *
  * Without a usable array, or for a grid that cannot be converted, there is an error and the output is empty;
  * single arrays that cannot be converted are left out with a warning.
@@ -28,8 +29,15 @@
 #include "vtkNew.h" // for CellDataArraySelection
 #include "vtkTreeAMRReaderModule.h"
 
+#include <memory> // for std::unique_ptr
+
 class vtkDataArraySelection;
 class vtkHyperTreeGrid;
+
+namespace treeamr
+{
+class OnceReporter;
+}
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRProbeFilter : public vtkDataSetAlgorithm
 {
@@ -136,6 +144,8 @@ private:
   void operator=(const vtkTreeAMRProbeFilter&) = delete;
 
   void Probe(vtkDataSet* input, vtkHyperTreeGrid* source, vtkDataSet* output);
+
+  std::unique_ptr<treeamr::OnceReporter> Warnings;
 };
 
 #endif

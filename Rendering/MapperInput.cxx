@@ -139,6 +139,7 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
     time_ = time;
     selection_ = selection;
     failure_ = nullptr;
+    remark_ = {};
     try
     {
       // The old one lives until the new one is there: they may share an octree.
@@ -149,6 +150,7 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
       else
       {
         made_ = acquireField(grid, selection, withNodeRanges);
+        remark_ = mergedDoubles(grid, selection, *made_);
       }
     }
     catch (const Error&)
@@ -217,14 +219,6 @@ void BoundsSlot::get(vtkHyperTreeGrid* grid, double bounds[6])
 const char* describe(const std::exception& error)
 {
   return dynamic_cast<const std::bad_alloc*>(&error) ? "not enough memory" : error.what();
-}
-
-bool OnceReporter::isNews(const std::string& message, vtkMTimeType stamp)
-{
-  const bool news = message != message_ || stamp != stamp_;
-  message_ = message;
-  stamp_ = stamp;
-  return news;
 }
 
 } // namespace treeamr

@@ -1,8 +1,9 @@
-// What the two mappers share on their input side: which array is meant, its field kept between frames, and
-// errors that are said once. Private to the module.
+// What the two mappers share on their input side: which array is meant, and its field kept between frames. Private
+// to the module.
 #pragma once
 
 #include "HyperTreeGridConverter.h"
+#include "SinglePrecision.h"
 
 #include "RayTracing/Isosurface.h"
 
@@ -48,6 +49,8 @@ public:
   /// Throws Error as acquireField() and acquireCategories().
   const std::shared_ptr<const Made>& acquire(
     vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+  /// What users should know of what acquire() gave last; nothing of categories.
+  const Remark& remark() const noexcept { return remark_; }
   /// For when it is not needed any more.
   void release() { *this = InputSlot(); }
 
@@ -58,6 +61,7 @@ private:
   ArraySelection selection_;
   std::shared_ptr<const Made> made_;
   std::exception_ptr failure_;
+  Remark remark_;
 };
 
 using FieldSlot = InputSlot<Field>;
@@ -82,19 +86,5 @@ private:
 
 /// What to tell the user of whatever ended a frame.
 const char* describe(const std::exception& error);
-
-/// Frames repeat; messages should not.
-class OnceReporter
-{
-public:
-  /// True when the message is new, or something that it may depend on has changed since it was said.
-  bool isNews(const std::string& message, vtkMTimeType stamp);
-  /// After a success the next failure is news.
-  void clear() { message_.clear(); }
-
-private:
-  std::string message_;
-  vtkMTimeType stamp_ = 0;
-};
 
 } // namespace treeamr

@@ -2,6 +2,7 @@
 
 #include "ImageReduction.h"
 #include "MapperInput.h"
+#include "OnceReporter.h"
 #include "SceneConversion.h"
 #include "SurfaceColors.h"
 #include "SurfaceShading.h"
@@ -153,8 +154,8 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   std::array<treeamr::FieldSlot, 4> ColorSlots; // of the components of a colour
   treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
-  treeamr::OnceReporter Errors;
-  treeamr::OnceReporter Warnings;
+  treeamr::OnceReporter Errors;   // of a call of Render()
+  treeamr::OnceReporter Warnings; // of a call of Shade(): a frame has one, however often it is rendered
   treeamr::SettingWarnings SettingWarnings;
 
   std::shared_ptr<const treeamr::Field> Field;
@@ -331,11 +332,11 @@ vtkMTimeType vtkTreeAMRIsosurfaceMapper::GetSurfaceBuildTime()
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::Warn(const std::string& message)
+void vtkTreeAMRIsosurfaceMapper::Warn(const treeamr::Remark& remark)
 {
-  if (this->Private->Warnings.isNews(message, this->GetMTime()))
+  if (!remark.text.empty() && this->Private->Warnings.isNews(remark.about))
   {
-    vtkWarningMacro(<< message);
+    vtkWarningMacro(<< remark.text);
   }
 }
 
@@ -490,13 +491,15 @@ std::shared_ptr<const Made> vtkTreeAMRIsosurfaceMapper::AcquireColors(
 {
   try
   {
-    return slot.acquire(grid, selection, false);
+    const std::shared_ptr<const Made>& made = slot.acquire(grid, selection, false);
+    this->Warn(slot.remark());
+    return made;
   }
   catch (const treeamr::NoFiniteValue& error)
   {
     if (!error.isNaN)
     {
-      this->Warn(error.what());
+      this->Warn({ error.what(), error.what() });
     }
     return nullptr;
   }
@@ -659,14 +662,16 @@ void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
   }
 
   treeamr::HitColors colors;
+  this->Warn(internals.ContourSlot.remark());
   try
   {
     colors = this->MapColors(view, grid);
   }
   catch (const treeamr::Error& error)
   {
-    this->Warn(error.what());
+    this->Warn({ error.what(), error.what() });
   }
+  internals.Warnings.endRound();
   treeamr::shadeHits(view.Hits, *view.Camera, appearance,
     property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), colors, internals.Image);
   std::vector<float> depth;
@@ -791,19 +796,16 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
   try
   {
     this->RenderSurface(renderer, actor);
-    this->Private->Errors.clear();
   }
   catch (const std::exception& error)
   {
-    vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
-    const vtkMTimeType stamp =
-      std::max(this->GetMTime(), grid ? treeamr::gridModificationTime(grid) : vtkMTimeType(0));
     const char* const message = treeamr::describe(error);
-    if (this->Private->Errors.isNews(message, stamp))
+    if (this->Private->Errors.isNews(message))
     {
       vtkErrorMacro(<< message);
     }
   }
+  this->Private->Errors.endRound();
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
 }

@@ -55,6 +55,7 @@ class vtkHyperTreeGrid;
 namespace treeamr
 {
 struct ArraySelection;
+struct Remark;
 class HitColors;
 template <class Made>
 class InputSlot;
@@ -201,7 +202,7 @@ private:
   void Shade(View& view, vtkHyperTreeGrid* grid);
   void TraceVisibility(View& view, const std::vector<treeamr::Light>& lights);
   void Select(View& view);
-  void Warn(const std::string& message);
+  void Warn(const treeamr::Remark& remark);
 
   std::unique_ptr<Internals> Private;
 

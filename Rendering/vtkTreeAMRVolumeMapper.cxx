@@ -1,6 +1,7 @@
 #include "vtkTreeAMRVolumeMapper.h"
 
 #include "MapperInput.h"
+#include "OnceReporter.h"
 #include "SceneConversion.h"
 #include "UnsupportedSettings.h"
 #include "VolumeSurfaces.h"
@@ -106,7 +107,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   treeamr::FieldSlot FieldSlot;
   treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
-  treeamr::OnceReporter Errors;
+  treeamr::OnceReporter Messages; // of a call of Render()
   treeamr::SettingWarnings Warnings;
 
   std::shared_ptr<const treeamr::Field> Field;           // that rays see
@@ -363,6 +364,11 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
     field = internals.FieldSlot.acquire(this->GetHyperTreeGrid(), selection, true);
     internals.CategorySlot.release();
     internals.Categories.reset();
+  }
+  const treeamr::Remark& remark = internals.FieldSlot.remark();
+  if (!remark.text.empty() && internals.Messages.isNews(remark.about))
+  {
+    vtkWarningMacro(<< remark.text);
   }
   if (field != internals.Field)
   {
@@ -623,18 +629,6 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::Report(const char* message, vtkVolume* volume)
-{
-  vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
-  const vtkMTimeType stamp = std::max({ this->GetMTime(), volume->GetProperty()->GetMTime(),
-    grid ? treeamr::gridModificationTime(grid) : vtkMTimeType(0) });
-  if (this->Private->Errors.isNews(message, stamp))
-  {
-    vtkErrorMacro(<< message);
-  }
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
   if (renderer->GetSelector())
@@ -648,12 +642,16 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
   try
   {
     this->RenderVolume(renderer, volume);
-    this->Private->Errors.clear();
   }
   catch (const std::exception& error)
   {
-    this->Report(treeamr::describe(error), volume);
+    const char* const message = treeamr::describe(error);
+    if (this->Private->Messages.isNews(message))
+    {
+      vtkErrorMacro(<< message);
+    }
   }
+  this->Private->Messages.endRound();
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
   this->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);

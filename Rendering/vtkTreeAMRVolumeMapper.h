@@ -245,7 +245,6 @@ private:
   void CastRays(const treeamr::Camera& camera, const treeamr::DepthInterval& interval,
     const treeamr::TranslucentHits* surfaces, bool isPart, treeamr::Image& image);
   void RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
-  void Report(const char* message, vtkVolume* volume);
 
   std::unique_ptr<Internals> Private;
 

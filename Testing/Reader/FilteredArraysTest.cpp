@@ -192,6 +192,20 @@ TEST(FilteredArrays, SayWhatCannotBeTaken)
     EXPECT_NE(warnings.messages()[0].find("'ids' has whole numbers up to 16777217"), std::string::npos);
     EXPECT_NE(
       warnings.messages()[1].find("'missing' does not exist; there are: 'scalar'"), std::string::npos);
+    // As in the steps of a series, where the numbers vary.
+    ids->FillValue(16777219);
+    ids->Modified();
+    filter->Modified();
+    filter->Update();
+    EXPECT_EQ(warnings.messages().size(), 2u);
+    selection->DisableArray("missing");
+    filter->Update();
+    EXPECT_EQ(warnings.messages().size(), 2u);
+    selection->EnableArray("missing");
+    filter->Update();
+    EXPECT_EQ(warnings.messages().size(), 3u) << "gone away meanwhile";
+    ids->FillValue(16777217);
+    ids->Modified();
   };
   vtkNew<vtkTreeAMRProbeFilter> probe;
   probe->SetInputData(onePoint());

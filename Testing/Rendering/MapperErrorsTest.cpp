@@ -317,6 +317,70 @@ TEST_F(MapperErrorsTest, missingColorArrayWarnsAndLeavesTheSolidColor)
   surfaceMapper_->RemoveAllObservers();
 }
 
+// Whatever else changes: a message is news when it has gone away meanwhile.
+TEST_F(MapperErrorsTest, unrelatedChangesRepeatNoMessage)
+{
+  MessageCounter volumeMessages(volumeMapper_);
+  MessageCounter surfaceMessages(surfaceMapper_);
+  volume_->VisibilityOn();
+  surface_->VisibilityOn();
+  volumeMapper_->SelectScalarArray("nothing");
+  surfaceMapper_->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "nothing");
+  const std::vector<std::function<void()>> changes{
+    [] {},
+    [&] { volumeMapper_->SetSamplesPerCell(3.); },
+    [&] { volume_->GetProperty()->SetScalarOpacityUnitDistance(0.7); },
+    [&] { surfaceMapper_->SetAmbientOcclusionRadius(0.3); },
+    [&] { grid_->Modified(); },
+  };
+  for (const auto& change : changes)
+  {
+    change();
+    scene_.render();
+    EXPECT_EQ(volumeMessages.errors.size(), 1u);
+    EXPECT_EQ(surfaceMessages.errors.size(), 1u);
+  }
+  volumeMapper_->RemoveAllObservers();
+  surfaceMapper_->RemoveAllObservers();
+}
+
+TEST_F(MapperErrorsTest, doublesThatFloatMergesWarn)
+{
+  const auto offsetGrid = [](double offset) {
+    return makeGrid({}, { { "x", [=](const Point& p) { return offset + p[0]; } } });
+  };
+  MessageCounter volumeMessages(volumeMapper_);
+  MessageCounter surfaceMessages(surfaceMapper_);
+  volume_->VisibilityOn();
+  surface_->VisibilityOn();
+  surfaceMapper_->ScalarVisibilityOn();
+  surfaceMapper_->SetScalarModeToUseCellFieldData();
+  surfaceMapper_->SelectColorArray("x");
+  std::size_t said = 0;
+  for (const double offset : { 1e9, 2e9, 0., 1e15 })
+  {
+    const auto grid = offsetGrid(offset);
+    volumeMapper_->SetInputData(grid);
+    surfaceMapper_->SetInputData(grid);
+    surfaceMapper_->SetValue(0, offset + 0.3);
+    said += offset == 1e9 || offset == 1e15 ? 1 : 0; // of the same array once until it goes away
+    for (int frame = 0; frame < 3; ++frame)
+    {
+      volumeMapper_->SetSamplesPerCell(2. + frame);
+      scene_.render();
+      ASSERT_EQ(volumeMessages.warnings.size(), said) << offset;
+      ASSERT_EQ(surfaceMessages.warnings.size(), said) << offset;
+    }
+  }
+  for (const MessageCounter* messages : { &volumeMessages, &surfaceMessages })
+  {
+    EXPECT_TRUE(messages->errors.empty());
+    EXPECT_NE(messages->warnings[0].find("'x' are from 999999999.5 to 1000000000.5,"), std::string::npos) << messages->warnings[0];
+  }
+  volumeMapper_->RemoveAllObservers();
+  surfaceMapper_->RemoveAllObservers();
+}
+
 TEST_F(MapperErrorsTest, clippingAndCroppingWarn)
 {
   vtkNew<vtkPlane> plane;
