@@ -75,8 +75,47 @@ void vtkSMTreeAMRRepresentationProxy::ObjectsHaveBeenCreated()
       this->Slider = std::make_unique<FirstElementLink>();
       this->Slider->Connect(
         this->GetProperty(hint->GetAttribute("list")), this->GetProperty(hint->GetAttribute("first")));
+      this->List = hint->GetAttribute("list");
+      this->Representation = hint->GetAttribute("representation");
+      this->OtherList = hint->GetAttribute("other");
     }
   }
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::SetPropertyModifiedFlag(const char* name, int flag)
+{
+  this->IsovaluesGiven |= flag && !this->IsMoving && name == this->List;
+  this->Superclass::SetPropertyModifiedFlag(name, flag);
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::ViewUpdated(vtkSMProxy* view)
+{
+  this->Superclass::ViewUpdated(view);
+  this->ReviewIsovalues();
+}
+
+//------------------------------------------------------------------------------
+void vtkSMTreeAMRRepresentationProxy::ReviewIsovalues()
+{
+  vtkSMProxy* panel = this->GetTrueParentProxy();
+  vtkSMProperty* otherList = panel->GetProperty(this->OtherList.c_str());
+  auto other = vtkSMTreeAMRRepresentationProxy::SafeDownCast(otherList ? otherList->GetParent() : nullptr);
+  const std::string shown = vtkSMPropertyHelper(panel, "Representation").GetAsString();
+  if (!other || shown == this->Representation)
+  {
+    return; // the other one looks at both
+  }
+  if (this->IsovaluesGiven && !other->IsovaluesGiven && shown == other->Representation &&
+    other->ShowsIsosurfaces() && !this->HasWarned)
+  {
+    vtkWarningMacro("" << this->List << " are the isosurfaces of the representation " << this->Representation
+                       << ", those of " << shown << " are " << other->List << ".");
+    this->HasWarned = true;
+  }
+  this->IsovaluesGiven = false;
+  other->IsovaluesGiven = false;
 }
 
 //------------------------------------------------------------------------------
@@ -106,9 +145,11 @@ void vtkSMTreeAMRRepresentationProxy::MoveIntoRange(vtkSMProperty* isovalues, un
     if (std::none_of(
           values.begin(), values.end(), [&](double value) { return low <= value && value <= high; }))
     {
+      this->IsMoving = true;
       vtkSMPropertyHelper helper(isovalues);
       helper.SetNumberOfElements(1);
       helper.Set(low + 0.5 * (high - low));
+      this->IsMoving = false;
     }
   }
 }

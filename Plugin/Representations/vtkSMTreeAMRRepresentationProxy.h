@@ -3,7 +3,11 @@
 //
 // A single isovalue, which has a slider in the panel, is the first of the list:
 //
-//     <IsovalueSlider list="Isovalues" first="FirstIsovalue"/>
+//     <IsovalueSlider list="Isovalues" first="FirstIsovalue" representation="Tree AMR Isosurface"
+//                     other="IsosurfaceValues"/>
+//
+// The two have lists of their own, as they may show different arrays. Who gives values to the list of the one while
+// the other shows isosurfaces of the values it had is told so once: the names are easily mistaken.
 //
 // The panel's properties are mostly ParaView's own, of all ways to show a grid together. The elements PanelDecorator
 // among a proxy's hints say when which of them is of no use:
@@ -19,6 +23,7 @@
 #include "vtkTreeAMRRepresentationsModule.h" // for the export macro
 
 #include <memory> // for std::unique_ptr
+#include <string>
 
 class FirstElementLink;
 class vtkPVXMLElement;
@@ -30,6 +35,8 @@ public:
   vtkTypeMacro(vtkSMTreeAMRRepresentationProxy, vtkSMRepresentationProxy);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  void ViewUpdated(vtkSMProxy* view) override;
+
 protected:
   vtkSMTreeAMRRepresentationProxy();
   ~vtkSMTreeAMRRepresentationProxy() override;
@@ -37,18 +44,28 @@ protected:
   void CreateVTKObjects() override;
   /// Once, when the objects are there; not of a prototype.
   virtual void ObjectsHaveBeenCreated();
+  void SetPropertyModifiedFlag(const char* name, int flag) override;
+  /// Whether the list of isovalues counts when the representation is this one.
+  virtual bool ShowsIsosurfaces() { return true; }
 
   /// Makes a list of isovalues the single one in the middle of their domain "range" when none of them lies inside.
   /// entry: of the domain, a component of the array, or behind these its magnitude.
-  static void MoveIntoRange(vtkSMProperty* isovalues, unsigned int entry);
+  void MoveIntoRange(vtkSMProperty* isovalues, unsigned int entry);
 
 private:
   vtkSMTreeAMRRepresentationProxy(const vtkSMTreeAMRRepresentationProxy&) = delete;
   void operator=(const vtkSMTreeAMRRepresentationProxy&) = delete;
 
   void DecoratePanel(vtkPVXMLElement* decorator);
+  void ReviewIsovalues();
 
   std::unique_ptr<FirstElementLink> Slider;
+  std::string Representation;  // what the panel calls this one
+  std::string List;            // of its isovalues: the property's name
+  std::string OtherList;       // that of the other representation
+  bool IsovaluesGiven = false; // since the last update of the view, by whomever but this object
+  bool IsMoving = false;
+  bool HasWarned = false;
 };
 
 #endif

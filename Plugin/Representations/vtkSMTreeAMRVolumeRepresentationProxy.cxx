@@ -143,12 +143,18 @@ void vtkSMTreeAMRVolumeRepresentationProxy::UpdateVTKObjects()
 }
 
 //------------------------------------------------------------------------------
+bool vtkSMTreeAMRVolumeRepresentationProxy::ShowsIsosurfaces()
+{
+  return vtkSMPropertyHelper(this, "ShowIsosurfaces").GetAsInt() != 0 ||
+    vtkSMPropertyHelper(this, "BlendMode").GetAsInt() == vtkVolumeMapper::ISOSURFACE_BLEND;
+}
+
+//------------------------------------------------------------------------------
 void vtkSMTreeAMRVolumeRepresentationProxy::ReviewIsosurfaces()
 {
   vtkSMProperty* isovalues = this->GetProperty("IsosurfaceValues");
   const bool isEmpty = vtkSMPropertyHelper(isovalues).GetNumberOfElements() == 0;
-  const bool isShown = vtkSMPropertyHelper(this, "ShowIsosurfaces").GetAsInt() != 0 ||
-    vtkSMPropertyHelper(this, "BlendMode").GetAsInt() == vtkVolumeMapper::ISOSURFACE_BLEND;
+  const bool isShown = this->ShowsIsosurfaces();
   // None at all, or such as the array has not, are what they are when that was asked for.
   if ((this->IsosurfacesSwitched && isShown && !this->IsosurfacesGiven) || (this->ArrayModified && !isEmpty))
   {

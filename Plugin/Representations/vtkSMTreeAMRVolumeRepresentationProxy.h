@@ -29,6 +29,7 @@ protected:
   ~vtkSMTreeAMRVolumeRepresentationProxy() override;
 
   void ObjectsHaveBeenCreated() override;
+  bool ShowsIsosurfaces() override;
   void SetPropertyModifiedFlag(const char* name, int flag) override;
   void UpdatePropertyInformationInternal(vtkSMProperty* property) override;
 

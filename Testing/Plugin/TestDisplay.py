@@ -166,6 +166,35 @@ grid.GetCellData().AddArray(first)
                 self.assertEqual([1.5], list(getattr(proxy, values)))
         self.assertEqual({1.5}, set(servermanager.Fetch(contour).GetPointData().GetScalars().GetRange()))
 
+    def test_isovalues_of_the_other_representation(self):
+        """Their names are easily mistaken: said once, unless the right ones were given, too."""
+        for kind, wrong, right in (("Tree AMR Isosurface", "IsosurfaceValues", "Isovalues"),
+                                   ("Tree AMR Volume", "Isovalues", "IsosurfaceValues")):
+            with self.subTest(kind=kind):
+                simple.ResetSession()
+                self.show(simple.HyperTreeGridRandom())
+                self.representation.SetRepresentationType(kind)
+                warnings = []
+                for name in (wrong, right):
+                    owner = self.representation.GetProperty(name).SMProperty.GetParent()
+                    owner.AddObserver("WarningEvent", lambda *_: warnings.append(name))
+                    setattr(self.representation, name, [1.0 if name == wrong else 2.0])
+                simple.Render(self.view)
+                self.representation.IsosurfaceArray = ["CELLS", "vtkGhostType"]
+                self.representation.IsosurfaceArray = ["CELLS", "Depth"]
+                simple.Render(self.view)
+                if kind == "Tree AMR Volume":
+                    setattr(self.representation, wrong, [1.5])
+                    simple.Render(self.view)
+                    self.representation.ShowIsosurfaces = 1
+                    simple.Render(self.view)
+                self.assertEqual(0, len(warnings))
+                for value in (3.0, 4.0):
+                    setattr(self.representation, wrong, [value])
+                    simple.Render(self.view)
+                    simple.Render(self.view)
+                    self.assertEqual(1, len(warnings))
+
 
 if __name__ == "__main__":
     scene.main()
