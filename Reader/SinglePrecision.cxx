@@ -116,10 +116,9 @@ Remark mergedDoubles(vtkHyperTreeGrid* grid, const ArraySelection& selection, co
   const auto left = std::ranges::count_if(seen, [](const auto& value) { return !std::isnan(value); });
   const std::string about = "hyper tree grid: the values of cell array '" + selection.name + "'";
   std::ostringstream text;
-  text.precision(std::numeric_limits<double>::max_digits10 - 1);
-  text << about << " are from " << all.min << " to " << all.max << ", where single precision leaves " << left
-       << (left == 1 ? " different number" : " different numbers")
-       << " of them: subtract a constant, which takes no digits from what is left";
+  text.precision(std::numeric_limits<double>::max_digits10);
+  text << about << " are from " << all.min << " to " << all.max << "; single precision has " << left
+       << (left == 1 ? " number" : " different numbers") << " for them all: subtract a constant from them";
   return { about, text.str() };
 }
 

@@ -3,7 +3,7 @@
 import os
 import sys
 
-from paraview import servermanager, simple
+from paraview import servermanager, simple, smstate
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import scene
@@ -58,6 +58,31 @@ class TestProxies(scene.TestCase):
             self.assertEqual(expected.GetNumberOfLeaves(), grid.GetNumberOfLeaves())
             self.assertEqual(expected.GetCellData().GetArray("mandelbulb").GetRange(),
                              grid.GetCellData().GetArray("bulb").GetRange())
+
+    def test_states_keep_all_arrays_off(self):
+        """Python states give an empty list before the payload whose arrays it means."""
+        for payload in ("double bulb", "float low; float high"):
+            for suffix in ("pvsm", "py"):
+                with self.subTest(payload=payload, suffix=suffix):
+                    simple.ResetSession()
+                    reader = simple.TreeAMRP4estReader(FileName=FOREST, Payload=payload, GenerateLevel=1)
+                    reader.UpdatePipeline()
+                    reader.CellArrayStatus = []
+                    reader.UpdatePipeline()
+                    if suffix == "pvsm":
+                        path = FOREST + "-state.pvsm"
+                        simple.SaveState(path)
+                        simple.ResetSession()
+                        simple.LoadState(path)
+                    else:
+                        state = smstate.get_state()
+                        simple.ResetSession()
+                        exec(compile(state, "state", "exec"), {})
+                    (reader,) = simple.GetSources().values()
+                    reader.UpdatePipeline()
+                    self.assertEqual(payload, reader.Payload)
+                    self.assertEqual([], list(reader.CellArrayStatus))
+                    self.assertEqual([], reader.CellData.keys())
 
     def test_probe(self):
         grid = simple.TreeAMRExample(Dataset="Synthetic")

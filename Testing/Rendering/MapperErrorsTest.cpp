@@ -375,7 +375,7 @@ TEST_F(MapperErrorsTest, doublesThatFloatMergesWarn)
   for (const MessageCounter* messages : { &volumeMessages, &surfaceMessages })
   {
     EXPECT_TRUE(messages->errors.empty());
-    EXPECT_NE(messages->warnings[0].find("'x' are from 999999999.5 to 1000000000.5,"), std::string::npos) << messages->warnings[0];
+    EXPECT_NE(messages->warnings[0].find("'x' are from 999999999.5 to 1000000000.5;"), std::string::npos) << messages->warnings[0];
   }
   volumeMapper_->RemoveAllObservers();
   surfaceMapper_->RemoveAllObservers();
