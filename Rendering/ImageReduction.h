@@ -37,10 +37,10 @@ private:
 /// Finds the distance between rays with which a frame takes the time it may take, from the times of frames
 /// before. Times are in any unit, the same throughout.
 ///
-/// The cost of a frame is taken to be that of a full image over the distance's square. As some of the time does
-/// not depend on the distance, an estimate is off, but not on the wrong side: corrected frame by frame the
-/// distance approaches its limit without overshooting it. Estimates are averaged, and small changes left out:
-/// a resolution that follows the noise of a clock flickers.
+/// The cost of a frame is taken to be that of a full image over the distance's square. As some of the time
+/// does not depend on the distance, an estimate is off, but not on the wrong side: corrected frame by frame
+/// the distance approaches its limit without overshooting it. Estimates are averaged, and small changes left
+/// out: a resolution that follows the noise of a clock flickers.
 class SampleDistanceControl
 {
 public:

@@ -1,5 +1,5 @@
-// The surfaces of an isosurface mapper as polygons in its colours, for those who cannot trace rays. Private to the
-// module.
+// The surfaces of an isosurface mapper as polygons in its colours, for those who cannot trace rays. Private
+// to the module.
 #pragma once
 
 #include "vtkPolyDataAlgorithm.h"
@@ -12,9 +12,9 @@ class vtkUnsignedCharArray;
 namespace treeamr
 {
 
-/// From the mapper's input to the triangles of vtkTreeAMRContourFilter, with Normals and the isovalues; where the mapper
-/// colours by an array, the RGBA colours at the points are the active scalars, else there are none. Errors leave the output empty or without
-/// colours, and are said as the filter's.
+/// From the mapper's input to the triangles of vtkTreeAMRContourFilter, with Normals and the isovalues; where
+/// the mapper colours by an array, the RGBA colours at the points are the active scalars, else there are
+/// none. Errors leave the output empty or without colours, and are said as the filter's.
 class IsosurfaceTriangles : public vtkPolyDataAlgorithm
 {
 public:

@@ -1,5 +1,5 @@
-// What the two mappers share on their input side: which array is meant, and its field kept between frames. Private
-// to the module.
+// What the two mappers share on their input side: which array is meant, and its field kept between frames.
+// Private to the module.
 #pragma once
 
 #include "HyperTreeGridConverter.h"
@@ -32,16 +32,17 @@ std::string defaultCellArrayName(vtkHyperTreeGrid* grid);
 std::string processedArrayName(vtkAlgorithm* algorithm, vtkHyperTreeGrid* grid);
 
 /// The array that ScalarMode, ArrayAccessMode, ArrayId and ArrayName of a VTK mapper mean. `fallback` is
-/// meant by modes that name no array. Throws Error for a name of no array of numbers and for modes of point or field
-/// data, which hyper tree grids have not.
+/// meant by modes that name no array. Throws Error for a name of no array of numbers and for modes of point
+/// or field data, which hyper tree grids have not.
 std::string selectedCellArrayName(vtkHyperTreeGrid* grid, int scalarMode, int accessMode, int arrayId,
   const char* arrayName, const std::string& fallback);
 
 /// Whether two selections mean the same values: a scalar array has one component and is its own magnitude.
 bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySelection& b);
 
-/// What one array is converted to, made again only when grid or selection change. A failure is kept, too: reading an
-/// unfit array again at every frame would take as long as reading a fit one. Made: Field or Categories.
+/// What one array is converted to, made again only when grid or selection change. A failure is kept, too:
+/// reading an unfit array again at every frame would take as long as reading a fit one. Made: Field or
+/// Categories.
 template <class Made>
 class InputSlot
 {

@@ -18,9 +18,9 @@ class vtkVolumeProperty;
 namespace treeamr
 {
 
-/// Data coordinates to those of the view, where the eye is at the origin and looks along -z, and to clip space with z
-/// from -1 to 1: by the matrices that VTK's own mappers draw with, of the eye whose picture a stereo window draws.
-/// Throw Error for a camera that does not belong to OpenGL.
+/// Data coordinates to those of the view, where the eye is at the origin and looks along -z, and to clip
+/// space with z from -1 to 1: by the matrices that VTK's own mappers draw with, of the eye whose picture a
+/// stereo window draws. Throw Error for a camera that does not belong to OpenGL.
 Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop);
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop);
 
@@ -44,16 +44,16 @@ Material convertMaterial(vtkProperty* property, bool lit);
 /// positive.
 TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange);
 
-/// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with nothing in
-/// between.
+/// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
+/// nothing in between.
 bool hasCategories(vtkVolumeProperty* property);
-/// For the numbers of these values, which the property has the colours of, as VTK colours surfaces by them, and
-/// opacities. Throws Error as convertTransferFunction().
+/// For the numbers of these values, which the property has the colours of, as VTK colours surfaces by them,
+/// and opacities. Throws Error as convertTransferFunction().
 TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values);
 
 /// How VTK's own volume mapper shows the surfaces of isovalues: the functions at the isovalue give colour and
-/// opacity, whatever the unit distance; without shading the colour is all there is, and with it but without light
-/// what polygons show. Opacities are multiplied by opacityScale, up to 1.
+/// opacity, whatever the unit distance; without shading the colour is all there is, and with it but without
+/// light what polygons show. Opacities are multiplied by opacityScale, up to 1.
 std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,
   const std::vector<double>& isovalues, double opacityScale, const std::vector<Light>& lights);
 

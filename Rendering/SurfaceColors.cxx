@@ -55,7 +55,8 @@ vtkSmartPointer<vtkUnsignedCharArray> mapScalars(vtkMapper* mapper, const std::v
   return mapScalars(mapper, scalars);
 }
 
-/// Values of the source's own type: colours of integers count from 0 to 255, of floating point numbers from 0 to 1.
+/// Values of the source's own type: colours of integers count from 0 to 255, of floating point numbers from 0
+/// to 1.
 template <class Value>
 vtkSmartPointer<vtkUnsignedCharArray> mapColors(
   vtkMapper* mapper, const ColorSource& source, const std::vector<Value>& values)

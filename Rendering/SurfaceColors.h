@@ -58,12 +58,12 @@ struct ColorSource
   bool direct = false;
 };
 
-/// Gives the mapper the array's own lookup table when it has one, as vtkMapper does. Throws Error for an array that the
-/// grid has not.
+/// Gives the mapper the array's own lookup table when it has one, as vtkMapper does. Throws Error for an
+/// array that the grid has not.
 ColorSource selectColors(vtkMapper* mapper, vtkHyperTreeGrid* grid);
 
-/// Whether some of an array's colours are translucent, as far as vtkMapper goes into it, or that of NaN, which VTK's
-/// transfer functions leave out of account. Null: of any array of values.
+/// Whether some of an array's colours are translucent, as far as vtkMapper goes into it, or that of NaN,
+/// which VTK's transfer functions leave out of account. Null: of any array of values.
 bool isTranslucent(vtkMapper* mapper, vtkDataArray* array);
 
 /// Of surfaces coloured by the array that they are isosurfaces of: of the isovalues themselves.
@@ -71,13 +71,14 @@ HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::
 /// values: of each hit its components.
 HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values);
 
-/// Whether the mapper's table looks values up as categories, with nothing in between; of colours it looks none up.
+/// Whether the mapper's table looks values up as categories, with nothing in between; of colours it looks
+/// none up.
 bool hasCategories(vtkMapper* mapper, const ColorSource& source);
 /// The number of the category of each hit's cell; NaN where the categories have none.
 std::vector<float> categoriesAtHits(
   const Categories& categories, const Isosurface& surface, std::span<const SurfaceHit> hits);
-/// Of such numbers. Surfaces of an isovalue that the table lists have its colour instead; isovalues: of the hits'
-/// surfaces, null when they are of another array.
+/// Of such numbers. Surfaces of an isovalue that the table lists have its colour instead; isovalues: of the
+/// hits' surfaces, null when they are of another array.
 HitColors mapCategories(vtkMapper* mapper, const Categories& categories, const std::vector<float>& numbers,
   std::span<const SurfaceHit> hits, const std::vector<double>* isovalues);
 

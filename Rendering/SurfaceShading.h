@@ -40,12 +40,13 @@ struct SurfaceVisibility
 void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits,
   std::size_t stride, float* values);
 
-/// Lights the hits in view coordinates, which are the camera's world. The surface blocks light like a layer of its opacity. Fills all of the image but Position and Normal.
+/// Lights the hits in view coordinates, which are the camera's world. The surface blocks light like a layer
+/// of its opacity. Fills all of the image but Position and Normal.
 void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
   const SurfaceVisibility& visibility, const HitColors& colors, vtkTreeAMRSurfaceImage& image);
 
-/// Makes one layer of all that lie before the window depths `depth` of the pixels, blended in their order, where
-/// the nearest is.
+/// Makes one layer of all that lie before the window depths `depth` of the pixels, blended in their order,
+/// where the nearest is.
 void flattenLayers(
   const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image);
 

@@ -1,4 +1,5 @@
-// What VTK lets users set and the mappers do not do: said once, never silently left out. Private to the module.
+// What VTK lets users set and the mappers do not do: said once, never silently left out. Private to the
+// module.
 #pragma once
 
 #include <set>
@@ -16,7 +17,8 @@ namespace treeamr
 /// VTK's names of what a scene asks for in vain.
 using SettingNames = std::vector<std::string>;
 
-/// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what else there is. hasSurfaces: whether there is something for vtkVolumeProperty::Shade to light.
+/// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what
+/// else there is. hasSurfaces: whether there is something for vtkVolumeProperty::Shade to light.
 SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces);
 SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper);
 

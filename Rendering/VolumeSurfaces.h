@@ -1,5 +1,5 @@
-// The isosurfaces that a volume mapper draws: built, traced and lit when what they depend on has changed. Private
-// to the module.
+// The isosurfaces that a volume mapper draws: built, traced and lit when what they depend on has changed.
+// Private to the module.
 #pragma once
 
 #include "RayTracing/Isosurface.h"
@@ -32,7 +32,8 @@ public:
 
   /// All hits of an image of width x height pixels; the last ones when nothing has changed.
   void trace(const Matrix4& clipFromData, int width, int height);
-  /// Colours of the last trace()'s hits; materials: one by isovalue of the engine; lights in view coordinates.
+  /// Colours of the last trace()'s hits; materials: one by isovalue of the engine; lights in view
+  /// coordinates.
   void light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights,
     const Matrix4& viewFromData);
   /// Valid until the next call of any other member.

@@ -41,9 +41,9 @@ public:
   /// The images of the two segments. Throws treeamr::Error.
   void Draw(vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back);
 
-  /// For a surface that is being rendered by the pass: window depths of what is opaque behind it, 1 where nothing is.
-  /// False when the pass does not tell, which it does when a frame's translucent surfaces are drawn for the first
-  /// time. Throws treeamr::Error.
+  /// For a surface that is being rendered by the pass: window depths of what is opaque behind it, 1 where
+  /// nothing is. False when the pass does not tell, which it does when a frame's translucent surfaces are
+  /// drawn for the first time. Throws treeamr::Error.
   bool ReadOpaqueDepth(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* surface, int width,
     int height, std::vector<float>& depth);
 

@@ -29,8 +29,8 @@ void main()
 }
 )";
 
-// Only tiles with points are drawn, each as often as it has layers: a surface with many layers in a few places
-// costs little elsewhere.
+// Only tiles with points are drawn, each as often as it has layers: a surface with many layers in a few
+// places costs little elsewhere.
 const char* const surfaceVertexShader = R"(//VTK::System::Dec
 in vec4 ndCoordIn;
 in vec2 texCoordIn;

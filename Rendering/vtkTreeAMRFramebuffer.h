@@ -26,8 +26,8 @@ struct vtkTreeAMRViewport
   int Height = 0;
 };
 
-/// Surface points, any number behind each other in a pixel. Pixels come lower left first; the points of one follow
-/// each other, nearest first, in rows of Columns.
+/// Surface points, any number behind each other in a pixel. Pixels come lower left first; the points of one
+/// follow each other, nearest first, in rows of Columns.
 struct vtkTreeAMRSurfaceImage
 {
   static constexpr int Columns = 4096; // of points, and of tiles

@@ -2,15 +2,15 @@
  * @class   vtkTreeAMRIsosurfaceActor
  * @brief   actor of a vtkTreeAMRIsosurfaceMapper that VTK's exporters write
  *
- * GetActors(), which exporters (glTF, OBJ, X3D, VRML and others of vtkExporter) get their geometry by, gives an actor of
- * polygons in the place of this one: of the same matrix, property and visibility, with the triangles of
- * vtkTreeAMRContourFilter in the colours and opacities that the mapper shows. They are computed when an exporter
- * updates that actor's mapper, not before, and kept until this actor is rendered again. A process that has not all of the
- * grid may give exporters other triangles, those of all processes.
+ * GetActors(), which exporters (glTF, OBJ, X3D, VRML and others of vtkExporter) get their geometry by, gives
+ * an actor of polygons in the place of this one: of the same matrix, property and visibility, with the
+ * triangles of vtkTreeAMRContourFilter in the colours and opacities that the mapper shows. They are computed
+ * when an exporter updates that actor's mapper, not before, and kept until this actor is rendered again. A
+ * process that has not all of the grid may give exporters other triangles, those of all processes.
  *
  * In everything else it is a vtkActor: with another mapper, when rendered, selected or picked, and in
- * vtkRenderer::GetViewProps(). vtkRenderer::GetActors() contains the actor of polygons, which the next GetActors() sets
- * as this one is: change this one.
+ * vtkRenderer::GetViewProps(). vtkRenderer::GetActors() contains the actor of polygons, which the next
+ * GetActors() sets as this one is: change this one.
  */
 
 #ifndef vtkTreeAMRIsosurfaceActor_h
@@ -32,10 +32,12 @@ public:
   vtkTypeMacro(vtkTreeAMRIsosurfaceActor, vtkOpenGLActor);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /// The triangles of the mapper's own grid, up to date. Null: the mapper is another, or its grid has no trees.
+  /// The triangles of the mapper's own grid, up to date. Null: the mapper is another, or its grid has no
+  /// trees.
   vtkPolyData* GetTriangles();
-  /// What exporters get in the place of those: the output of this algorithm. It is told that it is Modified() when the
-  /// actor is rendered. The actor may be visible without a grid then, and draws nothing. Null, the default: their own.
+  /// What exporters get in the place of those: the output of this algorithm. It is told that it is Modified()
+  /// when the actor is rendered. The actor may be visible without a grid then, and draws nothing. Null, the
+  /// default: their own.
   void SetExportedTriangles(vtkAlgorithm* triangles);
   /// Of the last export, for which there is no use any more.
   void ReleaseTriangles();

@@ -2,40 +2,42 @@
  * @class   vtkTreeAMRIsosurfaceMapper
  * @brief   ray-traces isosurfaces of a vtkHyperTreeGrid on the CPU
  *
- * The surfaces are implicit: the points where the generalized trilinear interpolation of the cells' values (see
- * Core/Interpolation) equals one of the values, without cracks at refinement levels and without triangles. The
- * contoured array is SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, name); unset it
- * is the active scalars or, when there are none, the first cell array.
+ * The surfaces are implicit: the points where the generalized trilinear interpolation of the cells' values
+ * (see Core/Interpolation) equals one of the values, without cracks at refinement levels and without
+ * triangles. The contoured array is SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS,
+ * name); unset it is the active scalars or, when there are none, the first cell array.
  *
- * The actor's vtkProperty and the renderer's lights shade it as they shade polygons: with normals that are smooth
- * across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured by an
- * array through vtkMapper's ScalarVisibility, ScalarMode, ColorMode, SelectColorArray() and LookupTable, its
- * opacities included; an array that does not exist or is unfit leaves the solid colour, with a warning; values that are
- * not finite or beyond float have the colour and the opacity of NaN. Coloured by the
- * contoured array each surface has the colour of its value. A table with IndexedLookup makes categories of the values:
- * each point has the colour of its cell's own value, or of an isovalue that the table lists. Real depth is written:
- * the surface meets polygons and volumes correctly.
+ * The actor's vtkProperty and the renderer's lights shade it as they shade polygons: with normals that are
+ * smooth across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured
+ * by an array through vtkMapper's ScalarVisibility, ScalarMode, ColorMode, SelectColorArray() and
+ * LookupTable, its opacities included; an array that does not exist or is unfit leaves the solid colour, with
+ * a warning; values that are not finite or beyond float have the colour and the opacity of NaN. Coloured by
+ * the contoured array each surface has the colour of its value. A table with IndexedLookup makes categories
+ * of the values: each point has the colour of its cell's own value, or of an isovalue that the table lists.
+ * Real depth is written: the surface meets polygons and volumes correctly.
  *
- * An actor of opacity below 1, or of translucent colours, shows all layers of the surfaces. With depth peeling they
- * are sorted among themselves and with all other translucent geometry and the volumes of this module; each layer takes a peel, and two layers
- * nearer than the depth buffer can tell are one. Without it the layers before what is opaque are blended in
- * their order and count as one, at the nearest, for VTK's order independent pass.
+ * An actor of opacity below 1, or of translucent colours, shows all layers of the surfaces. With depth
+ * peeling they are sorted among themselves and with all other translucent geometry and the volumes of this
+ * module; each layer takes a peel, and two layers nearer than the depth buffer can tell are one. Without it
+ * the layers before what is opaque are blended in their order and count as one, at the nearest, for VTK's
+ * order independent pass.
  *
- * Ambient occlusion and shadows are traced, with all the mapper's surfaces as obstacles and nothing else of the
- * scene. A translucent surface takes away the part of the light that its opacity says, once. Unlit properties have
- * neither.
+ * Ambient occlusion and shadows are traced, with all the mapper's surfaces as obstacles and nothing else of
+ * the scene. A translucent surface takes away the part of the light that its opacity says, once. Unlit
+ * properties have neither.
  *
- * Actors may share a mapper, and mappers a grid: the data and the surfaces are there once, and each actor has its
- * own matrix, mirrored ones included.
+ * Actors may share a mapper, and mappers a grid: the data and the surfaces are there once, and each actor has
+ * its own matrix, mirrored ones included.
  *
  * Hardware selection gives the cells that the surface is seen in, as indices into the grid's cell arrays; a
- * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker) find
- * points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect data
- * sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. What it cannot do
- * warns once when it is asked for: clipping planes, wireframe, points, edges, culling, backface properties, textures,
- * physically based shading, shader code. Needs an OpenGL window.
+ * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker)
+ * find points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect
+ * data sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. What it cannot do warns
+ * once when it is asked for: clipping planes, wireframe, points, edges, culling, backface properties,
+ * textures, physically based shading, shader code. Needs an OpenGL window.
  *
- * VTK's exporters write polygons alone: they leave this mapper out unless its actor is a vtkTreeAMRIsosurfaceActor.
+ * VTK's exporters write polygons alone: they leave this mapper out unless its actor is a
+ * vtkTreeAMRIsosurfaceActor.
  */
 
 #ifndef vtkTreeAMRIsosurfaceMapper_h
@@ -90,21 +92,22 @@ public:
   ///@}
 
   ///@{
-  /// What hardware selection gives as composite index: the flat index of the grid's block in a composite data set.
-  /// Default 1, as of a grid that is in none.
+  /// What hardware selection gives as composite index: the flat index of the grid's block in a composite data
+  /// set. Default 1, as of a grid that is in none.
   vtkSetMacro(CompositeIndex, unsigned int);
   vtkGetMacro(CompositeIndex, unsigned int);
   ///@}
 
   ///@{
-  /// Rays from each surface point of the picture into the half space before it; where they meet a surface within
-  /// AmbientOcclusionRadius the point gets darker, as with vtkSSAOPass. 0, the default, for none; 65535 at most.
+  /// Rays from each surface point of the picture into the half space before it; where they meet a surface
+  /// within AmbientOcclusionRadius the point gets darker, as with vtkSSAOPass. 0, the default, for none;
+  /// 65535 at most.
   ///
-  /// A still frame traces all of them. Of an interactive one (the window's desired update rate is 1 or more) each
-  /// pixel traces InteractiveSamples; as long as camera, actor and surfaces stay, frames add theirs to those
-  /// before, so that after AmbientOcclusionSamples / InteractiveSamples frames of either kind, or one still frame,
-  /// the picture is the same. Pixels next to each other on one smooth piece of surface share their rays, so 16
-  /// of them show no grain there.
+  /// A still frame traces all of them. Of an interactive one (the window's desired update rate is 1 or more)
+  /// each pixel traces InteractiveSamples; as long as camera, actor and surfaces stay, frames add theirs to
+  /// those before, so that after AmbientOcclusionSamples / InteractiveSamples frames of either kind, or one
+  /// still frame, the picture is the same. Pixels next to each other on one smooth piece of surface share
+  /// their rays, so 16 of them show no grain there.
   vtkSetClampMacro(AmbientOcclusionSamples, int, 0, 65535);
   vtkGetMacro(AmbientOcclusionSamples, int);
   static constexpr int InteractiveSamples = 2;
@@ -122,11 +125,11 @@ public:
   ///@}
 
   ///@{
-  /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when camera, actor
-  /// or surfaces have changed, an interactive frame is traced with as few rays as fit InteractiveRenderTime or, when
-  /// that is 0, the time that VTK allocates to the actor. Their pixels have the depth of the surface's tangent plane.
-  /// Where nothing has moved since the last frame, interactive ones have the full picture, and keep it; hardware selection
-  /// always has one ray a pixel.
+  /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when
+  /// camera, actor or surfaces have changed, an interactive frame is traced with as few rays as fit
+  /// InteractiveRenderTime or, when that is 0, the time that VTK allocates to the actor. Their pixels have
+  /// the depth of the surface's tangent plane. Where nothing has moved since the last frame, interactive ones
+  /// have the full picture, and keep it; hardware selection always has one ray a pixel.
   vtkSetMacro(AutoAdjustSampleDistances, bool);
   vtkGetMacro(AutoAdjustSampleDistances, bool);
   vtkBooleanMacro(AutoAdjustSampleDistances, bool);
@@ -152,8 +155,8 @@ public:
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
 
-  /// Whether the array's colours are translucent, by vtkMapper's rules: those of the lookup table, or those in an array of
-  /// colours; besides, the lookup table's colour of NaN.
+  /// Whether the array's colours are translucent, by vtkMapper's rules: those of the lookup table, or those
+  /// in an array of colours; besides, the lookup table's colour of NaN.
   bool HasTranslucentPolygonalGeometry() override;
   /// The same of another array; null: of any array of values.
   bool HasTranslucentColors(vtkDataArray* array);

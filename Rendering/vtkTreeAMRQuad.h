@@ -21,9 +21,9 @@ class vtkWindow;
 class vtkTreeAMRQuad
 {
 public:
-  /// The shaders hold the tags //VTK::System::Dec and //VTK::Output::Dec. The vertex shader turns `vec4 ndCoordIn`
-  /// and `vec2 texCoordIn` of the quad over the viewport into gl_Position and `vec2 texCoord`; when empty it is VTK's,
-  /// that copies them.
+  /// The shaders hold the tags //VTK::System::Dec and //VTK::Output::Dec. The vertex shader turns `vec4
+  /// ndCoordIn` and `vec2 texCoordIn` of the quad over the viewport into gl_Position and `vec2 texCoord`;
+  /// when empty it is VTK's, that copies them.
   explicit vtkTreeAMRQuad(std::string fragmentShader, std::string vertexShader = {});
   ~vtkTreeAMRQuad();
   vtkTreeAMRQuad(const vtkTreeAMRQuad&) = delete;

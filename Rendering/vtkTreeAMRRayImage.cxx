@@ -38,7 +38,8 @@ SHIFT_IMPLEMENTATION
 const char* const shiftDeclaration = R"(uniform sampler2D NAMERayLength;
 uniform sampler2D NAMEPixelLength;
 )";
-// From the bilinear weights towards those texels alone whose lengths differ from the mean as the pixel's does.
+// From the bilinear weights towards those texels alone whose lengths differ from the mean as the pixel's
+// does.
 const char* const shiftImplementation = R"(
   vec4 lengths = vec4(texelFetch(NAMERayLength, low, 0).r, texelFetch(NAMERayLength, highLow, 0).r,
     texelFetch(NAMERayLength, lowHigh, 0).r, texelFetch(NAMERayLength, high, 0).r);

@@ -2,8 +2,8 @@
 //
 // Where the image is full, a pixel is a texel. A reduced image is magnified bilinearly, with edges in common.
 // Where rays ended at other depths than a pixel's own ray would, the weights of the four texels around it are
-// shifted so that their rays' lengths average to the pixel's: fog behind the edge of a surface does not show in
-// front of it, and on a plane, whose depth is linear in the window, nothing is shifted.
+// shifted so that their rays' lengths average to the pixel's: fog behind the edge of a surface does not show
+// in front of it, and on a plane, whose depth is linear in the window, nothing is shifted.
 #pragma once
 
 #include "ImageReduction.h"

@@ -571,7 +571,8 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
     const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
     if (!rays.IsEmpty())
     {
-      // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's scale.
+      // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's
+      // scale.
       const treeamr::Camera camera(clipFromData, reduction.width(), reduction.height());
       const treeamr::DepthInterval interval{ rays.Begin.empty() ? nullptr : rays.Begin.data(),
         rays.End.empty() ? nullptr : rays.End.data() };

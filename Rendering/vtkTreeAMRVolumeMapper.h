@@ -4,21 +4,21 @@
  *
  * The field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation):
  * continuous across refinement levels, without resampling. A volume mapper like VTK's own: colours, scalar
- * opacity and its unit distance (in data units: a scaled volume looks the same) come from the vtkVolume's vtkVolumeProperty, component 0;
- * the array from SelectScalarArray() and ScalarMode. Without a selection it is the active scalars or, when
- * there are none, the first cell array.
+ * opacity and its unit distance (in data units: a scaled volume looks the same) come from the vtkVolume's
+ * vtkVolumeProperty, component 0; the array from SelectScalarArray() and ScalarMode. Without a selection it
+ * is the active scalars or, when there are none, the first cell array.
  *
  * Composite blending, or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
  * default is one, 0) alone, each coloured and as opaque as the functions are at its value, whatever the unit
- * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the volume,
- * in one pass and in their order.
+ * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the
+ * volume, in one pass and in their order.
  *
- * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons through
- * dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. What VTK's volume
- * mappers do besides warns once when it is asked for: shading of the volume itself, gradient opacity,
- * two-dimensional functions, components with functions of their own, cropping, clipping planes. Selections pass
- * through volumes.
- * The property's interpolation type is not asked: the field is always continuous, but for categories.
+ * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons
+ * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. What VTK's
+ * volume mappers do besides warns once when it is asked for: shading of the volume itself, gradient opacity,
+ * two-dimensional functions, components with functions of their own, cropping, clipping planes. Selections
+ * pass through volumes. The property's interpolation type is not asked: the field is always continuous, but
+ * for categories.
  *
  * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
  * surfaces of its own value have, with the opacity function's opacity there, and nothing is interpolated.
@@ -77,10 +77,10 @@ public:
   ///@}
 
   ///@{
-  /// Samples of the field along one cell's width, from 0.01 to a million, where colour or opacity vary in the cell; fewer where
-  /// little can change, but at least one in each cell, or block of eight cells of one size, that a ray crosses.
-  /// Where the opacity function varies more than samples can follow its integral over each step is used.
-  /// Default 2.
+  /// Samples of the field along one cell's width, from 0.01 to a million, where colour or opacity vary in the
+  /// cell; fewer where little can change, but at least one in each cell, or block of eight cells of one size,
+  /// that a ray crosses. Where the opacity function varies more than samples can follow its integral over
+  /// each step is used. Default 2.
   vtkSetClampMacro(SamplesPerCell, double, 0.01, 1e6);
   vtkGetMacro(SamplesPerCell, double);
   ///@}
@@ -108,8 +108,9 @@ public:
   vtkBooleanMacro(AutoAdjustSampleDistances, bool);
   ///@}
   ///@{
-  /// Distance between rays in pixels, from 1 (default) to 100, while AutoAdjustSampleDistances is off: 1 casts
-  /// one ray a pixel, 2 one for every 4 (2 by 2) pixels. An image of fewer rays is magnified bilinearly.
+  /// Distance between rays in pixels, from 1 (default) to 100, while AutoAdjustSampleDistances is off: 1
+  /// casts one ray a pixel, 2 one for every 4 (2 by 2) pixels. An image of fewer rays is magnified
+  /// bilinearly.
   vtkSetClampMacro(ImageSampleDistance, double, 1., 100.);
   vtkGetMacro(ImageSampleDistance, double);
   ///@}
@@ -150,9 +151,9 @@ public:
   ///@{
   /// The error, as EstimateError has it, that still frames may have: instead of SamplesPerCell they take the
   /// least samples from 0.25 to 64 that meet it, starting from those of the still frame before in the same
-  /// renderer, or SamplesPerCell. A frame that misses the target is rendered again, at most twice; while peeling
-  /// only the next one is better, and each part is held to the target. When 64 are too few the frame has the
-  /// error that they give. 0 (default) is for SamplesPerCell.
+  /// renderer, or SamplesPerCell. A frame that misses the target is rendered again, at most twice; while
+  /// peeling only the next one is better, and each part is held to the target. When 64 are too few the frame
+  /// has the error that they give. 0 (default) is for SamplesPerCell.
   vtkSetClampMacro(TargetError, double, 0., VTK_DOUBLE_MAX);
   vtkGetMacro(TargetError, double);
   ///@}
@@ -175,8 +176,8 @@ public:
   ///   Cells, OctreeBytes: of the field in use; octree, values, means and ranges
   ///   KeptBytes: allocated for values that are kept between frames
   ///   Rays, Nodes: rays cast, inner nodes entered
-  ///   KeptBlocks, ReconstructedBlocks, ReconstructedCells: blocks of cells whose vertex values were found kept
-  ///     or computed, and cells in the latter
+  ///   KeptBlocks, ReconstructedBlocks, ReconstructedCells: blocks of cells whose vertex values were found
+  ///     kept or computed, and cells in the latter
   ///   Intervals, Samples: groups of rays taken through a cell or block, samples along rays
   ///   SurfaceBytes, SurfaceHits: of the isosurfaces in use, and of rays with them
   ///   ImageSampleDistance: pixels between rays
@@ -186,9 +187,9 @@ public:
   ///   FieldSeconds: the conversion to the field in use, when it was made (next to none when another mapper
   ///     had made it before)
   ///   TransferFunctionSeconds: the table in use, when it was made
-  ///   RayCastingSeconds, ErrorSeconds, CompositingSeconds: the frame's; for rays (also of a frame that missed the
-  ///     target), for the estimate and the choice of samples, and for reading depths, which waits for what OpenGL
-  ///     had to draw before, and drawing the image
+  ///   RayCastingSeconds, ErrorSeconds, CompositingSeconds: the frame's; for rays (also of a frame that missed
+  ///     the target), for the estimate and the choice of samples, and for reading depths, which waits for what
+  ///     OpenGL had to draw before, and drawing the image
   /// Belongs to the mapper, which fills it in when asked.
   vtkTable* GetStatistics();
   ///@{

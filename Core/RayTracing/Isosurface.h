@@ -1,5 +1,5 @@
-// Implicit isosurface ray tracing (the paper's section 6.2): no triangles, a hit is a root of the cubic that the
-// reconstructed field is along a ray in an octant.
+// Implicit isosurface ray tracing (the paper's section 6.2): no triangles, a hit is a root of the cubic that
+// the reconstructed field is along a ray in an octant.
 #pragma once
 
 #include "Octree/Field.h"
@@ -19,16 +19,16 @@ struct SurfaceHit
 {
   double t;
   Vec3 gradient; // of the field, d value / d data coordinate
-  /// To shade by, in data coordinates: unit length, to the second order the normal of the surface that the field
-  /// approximates, less than a right angle from the gradient; 0 where that is.
+  /// To shade by, in data coordinates: unit length, to the second order the normal of the surface that the
+  /// field approximates, less than a right angle from the gradient; 0 where that is.
   std::array<float, 3> normal;
   std::uint32_t surface; // which of Isosurface::isovalues()
   std::uint32_t block;   // where Isosurface::cell() finds the cell
   std::uint8_t octant;
 };
 
-/// Hits of each pixel's ray, nearest first: those of pixel p = x + width * y, lower left first, are hits[first[p]]
-/// up to hits[first[p + 1]].
+/// Hits of each pixel's ray, nearest first: those of pixel p = x + width * y, lower left first, are
+/// hits[first[p]] up to hits[first[p + 1]].
 struct HitImage
 {
   LargeVector<std::size_t> first;
@@ -59,8 +59,9 @@ class Isosurface
 public:
   static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
 
-  /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over them. Vertex
-  /// values are computed where rays come and kept within keptBytes. The field needs its node ranges. Throws Error without a field or isovalues, for one that is not finite, or when Embree fails.
+  /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
+  /// them. Vertex values are computed where rays come and kept within keptBytes. The field needs its node
+  /// ranges. Throws Error without a field or isovalues, for one that is not finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
     std::size_t keptBytes = defaultKeptBytes);
   ~Isosurface();
@@ -70,13 +71,13 @@ public:
   /// Ascending, each once.
   const std::vector<double>& isovalues() const noexcept;
   IsosurfaceStatistics statistics() const;
-  /// Octants that a surface passes through. The first call takes a while: it looks at all of them. As startFrame(),
-  /// while no thread queries.
+  /// Octants that a surface passes through. The first call takes a while: it looks at all of them. As
+  /// startFrame(), while no thread queries.
   std::uint64_t octantCount() const;
 
-  /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is short, and
-  /// draws the hierarchy tighter around the surfaces as rays have come to know them. No hit depends on it. Throws Error
-  /// when Embree fails; then there are no hits.
+  /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is
+  /// short, and draws the hierarchy tighter around the surfaces as rays have come to know them. No hit
+  /// depends on it. Throws Error when Embree fails; then there are no hits.
   void startFrame() const;
 
   /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.
@@ -85,7 +86,8 @@ public:
   void intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const;
   /// Whether there is any hit.
   bool occluded(const Ray& ray, double tMin, double tMax) const;
-  /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at most.
+  /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at
+  /// most.
   void render(const Camera& camera, SurfaceLayers layers, HitImage& image,
     std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
 
