@@ -9,10 +9,10 @@
 namespace treeamr
 {
 
-std::vector<std::string> takenArrays(vtkHyperTreeGrid& grid, vtkDataArraySelection& selection)
+std::vector<std::string> takenArrays(vtkHyperTreeGrid& grid, vtkDataArraySelection& selection, bool final)
 {
   const std::string ghosts = vtkDataSetAttributes::GhostArrayName();
-  const bool all = selection.GetNumberOfArrays() == 0;
+  const bool all = !final && selection.GetNumberOfArrays() == 0;
   vtkCellData* cells = grid.GetCellData();
   std::vector<std::string> names;
   for (int i = 0; i < cells->GetNumberOfArrays(); ++i)

@@ -223,6 +223,7 @@ void vtkTreeAMRContourFilter::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
   this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "SelectionIsFinal: " << this->SelectionIsFinal << "\n";
   os << indent << "Component: " << this->Component << "\n";
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
   os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
@@ -369,7 +370,8 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
       return std::array<double, 3>{ -x, -y, -z };
     }));
   }
-  for (const std::string& name : treeamr::takenArrays(*input, *this->CellDataArraySelection))
+  for (const std::string& name :
+    treeamr::takenArrays(*input, *this->CellDataArraySelection, this->SelectionIsFinal))
   {
     if (this->GetAbortExecute())
     {

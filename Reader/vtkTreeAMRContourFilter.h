@@ -72,6 +72,15 @@ public:
    */
   vtkDataArraySelection* GetCellDataArraySelection() { return this->CellDataArraySelection; }
 
+  ///@{
+  /**
+   * Whether a selection that knows no array selects none. Off by default.
+   */
+  vtkSetMacro(SelectionIsFinal, bool);
+  vtkGetMacro(SelectionIsFinal, bool);
+  vtkBooleanMacro(SelectionIsFinal, bool);
+  ///@}
+
   /**
    * Of the filter, its values and its selection.
    */
@@ -114,6 +123,7 @@ protected:
 
   vtkNew<vtkContourValues> ContourValues;
   vtkNew<vtkDataArraySelection> CellDataArraySelection;
+  bool SelectionIsFinal = false;
   int Component = 0;
   bool ComputeNormals = true;
   bool ComputeGradients = false;

@@ -253,6 +253,7 @@ void vtkTreeAMRProbeFilter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "SelectionIsFinal: " << this->SelectionIsFinal << "\n";
   os << indent << "InterpolationMethod: " << this->InterpolationMethod << "\n";
   os << indent << "ComputeGradients: " << this->ComputeGradients << "\n";
   os << indent << "ValidPointMaskArrayName: "
@@ -389,7 +390,8 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
   // Above the depth limit cells have means of leaves, which no array holds.
   const bool copies = this->InterpolationMethod == NEAREST && !IsLimited(source);
   std::vector<vtkIdType> places;
-  for (const std::string& name : treeamr::takenArrays(*source, *this->CellDataArraySelection))
+  for (const std::string& name :
+    treeamr::takenArrays(*source, *this->CellDataArraySelection, this->SelectionIsFinal))
   {
     try
     {

@@ -92,6 +92,15 @@ public:
    */
   vtkDataArraySelection* GetCellDataArraySelection() { return this->CellDataArraySelection; }
 
+  ///@{
+  /**
+   * Whether a selection that knows no array selects none. Off by default.
+   */
+  vtkSetMacro(SelectionIsFinal, bool);
+  vtkGetMacro(SelectionIsFinal, bool);
+  vtkBooleanMacro(SelectionIsFinal, bool);
+  ///@}
+
   /**
    * Of the filter and its selection.
    */
@@ -132,6 +141,7 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   vtkNew<vtkDataArraySelection> CellDataArraySelection;
+  bool SelectionIsFinal = false;
   int InterpolationMethod = GTI;
   bool ComputeGradients = false;
   char* ValidPointMaskArrayName = nullptr;

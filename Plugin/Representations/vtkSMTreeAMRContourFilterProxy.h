@@ -3,18 +3,18 @@
 #ifndef vtkSMTreeAMRContourFilterProxy_h
 #define vtkSMTreeAMRContourFilterProxy_h
 
-#include "vtkSMSourceProxy.h"
+#include "vtkSMTreeAMRFilterProxy.h"
 #include "vtkTreeAMRRepresentationsModule.h" // for the export macro
 
 #include <memory> // for std::unique_ptr
 
 class FirstElementLink;
 
-class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRContourFilterProxy : public vtkSMSourceProxy
+class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRContourFilterProxy : public vtkSMTreeAMRFilterProxy
 {
 public:
   static vtkSMTreeAMRContourFilterProxy* New();
-  vtkTypeMacro(vtkSMTreeAMRContourFilterProxy, vtkSMSourceProxy);
+  vtkTypeMacro(vtkSMTreeAMRContourFilterProxy, vtkSMTreeAMRFilterProxy);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
 protected:

@@ -67,7 +67,10 @@ class TestProxies(scene.TestCase):
                     simple.ResetSession()
                     reader = simple.TreeAMRP4estReader(FileName=FOREST, Payload=payload, GenerateLevel=1)
                     reader.UpdatePipeline()
-                    reader.CellArrayStatus = []
+                    full = simple.TreeAMRP4estReader(FileName=FOREST, Payload="double bulb", GenerateLevel=1)
+                    full.UpdatePipeline()
+                    contour = simple.TreeAMRContour(Input=full, ContourBy=["CELLS", "bulb"])
+                    reader.CellArrayStatus = contour.CellDataArrays = []
                     reader.UpdatePipeline()
                     if suffix == "pvsm":
                         path = FOREST + "-state.pvsm"
@@ -78,7 +81,11 @@ class TestProxies(scene.TestCase):
                         state = smstate.get_state()
                         simple.ResetSession()
                         exec(compile(state, "state", "exec"), {})
-                    (reader,) = simple.GetSources().values()
+                    sources = list(simple.GetSources().values())
+                    (contour,) = [source for source in sources if source.GetXMLName() == "TreeAMRContour"]
+                    contour.UpdatePipeline()
+                    self.assertEqual({"bulb", "Normals"}, set(contour.PointData.keys()))
+                    (reader,) = [source for source in sources if source not in (contour, contour.Input)]
                     reader.UpdatePipeline()
                     self.assertEqual(payload, reader.Payload)
                     self.assertEqual([], list(reader.CellArrayStatus))

@@ -117,6 +117,12 @@ TEST(FilteredArrays, AProbeReadsTheSelectedAlone)
   probe->Update();
   EXPECT_EQ(probe->GetOutput()->GetPointData()->GetNumberOfArrays(), 22);
   EXPECT_TRUE(warnings.messages().empty());
+  probe->SelectionIsFinalOn();
+  const MessageCatcher errors(probe, vtkCommand::ErrorEvent);
+  const MessageCatcher pipeline(probe->GetExecutive(), vtkCommand::ErrorEvent);
+  probe->Update();
+  ASSERT_EQ(errors.messages().size(), 1u);
+  EXPECT_NE(errors.messages()[0].find("named and selected"), std::string::npos);
 }
 
 TEST(FilteredArrays, AContourReadsTheSelectedBesideItsOwn)
@@ -138,6 +144,10 @@ TEST(FilteredArrays, AContourReadsTheSelectedBesideItsOwn)
   contour->GetCellDataArraySelection()->RemoveAllArrays();
   contour->Update();
   EXPECT_EQ(contour->GetOutput()->GetPointData()->GetNumberOfArrays(), 22);
+  contour->SelectionIsFinalOn();
+  contour->Update();
+  EXPECT_EQ(namesOf(contour->GetOutput()), "scalar Normals ");
+  contour->SelectionIsFinalOff();
   // Without a surface there is nothing to interpolate.
   watched.read();
   contour->SetValue(0, -1.);
