@@ -172,12 +172,13 @@ template class InputSlot<Field>;
 template class InputSlot<Categories>;
 
 std::shared_ptr<const Isosurface> acquireIsosurface(
-  const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues)
+  const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues, int mostCellDepth)
 {
   struct Known
   {
     const Field* field; // lives as long as the surface
     std::vector<double> isovalues;
+    int mostCellDepth;
     std::weak_ptr<const Isosurface> surface;
   };
   static std::vector<Known> all;
@@ -186,7 +187,7 @@ std::shared_ptr<const Isosurface> acquireIsosurface(
   std::erase_if(all, [](const Known& known) { return known.surface.expired(); });
   for (const Known& known : all)
   {
-    if (known.field == field.get() && known.isovalues == isovalues)
+    if (known.field == field.get() && known.isovalues == isovalues && known.mostCellDepth == mostCellDepth)
     {
       if (std::shared_ptr<const Isosurface> surface = known.surface.lock())
       {
@@ -194,8 +195,9 @@ std::shared_ptr<const Isosurface> acquireIsosurface(
       }
     }
   }
-  auto surface = std::make_shared<const Isosurface>(field, isovalues);
-  all.push_back({ field.get(), isovalues, surface });
+  auto surface =
+    std::make_shared<const Isosurface>(field, isovalues, Isosurface::defaultKeptBytes, mostCellDepth);
+  all.push_back({ field.get(), isovalues, mostCellDepth, surface });
   return surface;
 }
 

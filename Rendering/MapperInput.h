@@ -69,8 +69,8 @@ using FieldSlot = InputSlot<Field>;
 using CategorySlot = InputSlot<Categories>;
 
 /// The surfaces of a field, shared by all who ask for the same. Throws Error as Isosurface.
-std::shared_ptr<const Isosurface> acquireIsosurface(
-  const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues);
+std::shared_ptr<const Isosurface> acquireIsosurface(const std::shared_ptr<const Field>& field,
+  const std::vector<double>& isovalues, int mostCellDepth = Isosurface::allCellDepths);
 
 /// Local bounds, computed again only when the grid changes.
 class BoundsSlot

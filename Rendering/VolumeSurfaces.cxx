@@ -1,7 +1,5 @@
 #include "VolumeSurfaces.h"
 
-#include "MapperInput.h"
-
 #include "RayTracing/SurfaceFrame.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -17,16 +15,15 @@ constexpr std::size_t pixelsPerTask = 4096;
 
 } // namespace
 
-bool VolumeSurfaces::build(const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues)
+bool VolumeSurfaces::set(const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues)
 {
-  if (engine_ && field_ == field && isovalues_ == isovalues)
+  if (!levels_.set(field, isovalues))
   {
     return false;
   }
-  this->release(); // before the new ones are allocated
-  engine_ = acquireIsosurface(field, isovalues);
-  field_ = field;
-  isovalues_ = isovalues;
+  // Before there are others.
+  engine_.reset();
+  camera_.reset();
   return true;
 }
 
@@ -35,14 +32,18 @@ void VolumeSurfaces::release()
   *this = VolumeSurfaces();
 }
 
-void VolumeSurfaces::trace(const Matrix4& clipFromData, int width, int height)
+void VolumeSurfaces::trace(const Matrix4& clipFromData, int width, int height, double levelOfDetail)
 {
-  if (camera_ && camera_->width() == width && camera_->height() == height && clipFromData_ == clipFromData)
+  const Camera camera(clipFromData, width, height);
+  const std::shared_ptr<const Isosurface>& engine =
+    levelOfDetail > 0. ? levels_.ofDetail(camera, levelOfDetail) : levels_.inFull();
+  if (camera_ && engine_ == engine && camera_->width() == width && camera_->height() == height &&
+    clipFromData_ == clipFromData)
   {
     return;
   }
   camera_.reset();
-  const Camera camera(clipFromData, width, height);
+  engine_ = engine;
   engine_->startFrame();
   engine_->render(camera, SurfaceLayers::All, hits_);
   clipFromData_ = clipFromData;

@@ -2,6 +2,8 @@
 // Private to the module.
 #pragma once
 
+#include "SurfaceLevels.h"
+
 #include "RayTracing/Isosurface.h"
 #include "RayTracing/Shading.h"
 #include "RayTracing/VolumeRenderer.h"
@@ -24,14 +26,16 @@ struct SurfaceMaterial
 class VolumeSurfaces
 {
 public:
-  /// True when the field or the isovalues are not those of the last call. Throws Error as Isosurface().
-  bool build(const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues);
-  /// Only after build(): null before, and after release().
+  /// True when the field or the isovalues are not those of the last call.
+  bool set(const std::shared_ptr<const Field>& field, const std::vector<double>& isovalues);
+  bool isEmpty() const noexcept { return levels_.isEmpty(); }
+  /// What was traced last; null before, and after release().
   const Isosurface* engine() const noexcept { return engine_.get(); }
   void release();
 
-  /// All hits of an image of width x height pixels; the last ones when nothing has changed.
-  void trace(const Matrix4& clipFromData, int width, int height);
+  /// All hits of an image of width x height pixels; the last ones when nothing has changed. Cells smaller than
+  /// levelOfDetail pixels are drawn together. Throws Error as Isosurface().
+  void trace(const Matrix4& clipFromData, int width, int height, double levelOfDetail);
   /// Colours of the last trace()'s hits; materials: one by isovalue of the engine; lights in view
   /// coordinates.
   void light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights,
@@ -40,10 +44,9 @@ public:
   TranslucentHits hits() const noexcept { return { hits_, rgba_ }; }
 
 private:
-  std::shared_ptr<const Field> field_;
-  std::vector<double> isovalues_;            // as asked for
-  std::shared_ptr<const Isosurface> engine_; // shared with other mappers of the field
-  std::optional<Camera> camera_;             // of the hits
+  SurfaceLevels levels_;
+  std::shared_ptr<const Isosurface> engine_;
+  std::optional<Camera> camera_; // of the hits
   Matrix4 clipFromData_{};
   HitImage hits_;
   std::vector<std::array<float, 4>> rgba_;

@@ -5,6 +5,7 @@
 #include "OnceReporter.h"
 #include "SceneConversion.h"
 #include "SurfaceColors.h"
+#include "SurfaceLevels.h"
 #include "SurfaceShading.h"
 #include "UnsupportedSettings.h"
 #include "vtkTreeAMRDepthPeeling.h"
@@ -159,8 +160,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   treeamr::SettingWarnings SettingWarnings;
 
   std::shared_ptr<const treeamr::Field> Field;
-  std::vector<double> Isovalues;
-  std::shared_ptr<const treeamr::Isosurface> Surface; // of these isovalues of this field
+  treeamr::SurfaceLevels Surfaces; // of the field
   treeamr::ArraySelection Contoured;
   vtkTimeStamp SurfaceTime;
 
@@ -195,6 +195,7 @@ void vtkTreeAMRIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << endl;
   os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << endl;
   os << indent << "InteractiveRenderTime: " << this->InteractiveRenderTime << endl;
+  os << indent << "LevelOfDetail: " << this->LevelOfDetail << endl;
   os << indent << "NumberOfPrimitives: " << this->GetNumberOfPrimitives() << endl;
 }
 
@@ -239,6 +240,7 @@ void vtkTreeAMRIsosurfaceMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetMinimumImageSampleDistance(other->MinimumImageSampleDistance);
     this->SetMaximumImageSampleDistance(other->MaximumImageSampleDistance);
     this->SetInteractiveRenderTime(other->InteractiveRenderTime);
+    this->SetLevelOfDetail(other->LevelOfDetail);
   }
 }
 
@@ -316,7 +318,8 @@ double* vtkTreeAMRIsosurfaceMapper::GetBounds()
 //------------------------------------------------------------------------------
 vtkIdType vtkTreeAMRIsosurfaceMapper::GetNumberOfPrimitives()
 {
-  return this->Private->Surface ? static_cast<vtkIdType>(this->Private->Surface->octantCount()) : 0;
+  const std::shared_ptr<const treeamr::Isosurface>& surface = this->Private->Surfaces.madeInFull();
+  return surface ? static_cast<vtkIdType>(surface->octantCount()) : 0;
 }
 
 //------------------------------------------------------------------------------
@@ -354,16 +357,19 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
   const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured, true);
   std::vector<double> isovalues(this->GetNumberOfContours());
   this->GetValues(isovalues.data());
-  if (!internals.Surface || internals.Field != field || internals.Isovalues != isovalues)
+  if (internals.Surfaces.set(field, isovalues))
   {
-    internals.Surface.reset();
+    // Before there are others.
+    for (const std::unique_ptr<View>& view : internals.Views)
+    {
+      view->Camera.reset();
+      view->Surface.reset();
+    }
     if (!isovalues.empty())
     {
-      internals.Surface = treeamr::acquireIsosurface(field, isovalues);
       internals.SurfaceTime.Modified();
     }
     internals.Field = field;
-    internals.Isovalues = isovalues;
   }
   internals.Contoured = contoured;
 }
@@ -418,7 +424,6 @@ double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view, bool isNew)
 //------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
 {
-  const std::shared_ptr<const treeamr::Isosurface>& surface = this->Private->Surface;
   view.Viewport = vtkTreeAMRFramebuffer::GetViewport(view.Renderer);
   view.IsInteractive = treeamr::isInteractive(view.Renderer);
   const treeamr::Matrix4 clipFromData = treeamr::clipFromData(view.Renderer, view.Actor);
@@ -430,20 +435,23 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
   const std::size_t mostHits = this->HasTranslucentPolygonalGeometry()
     ? allLayers
     : layersBeforeOpaque(view.Actor->GetProperty()->GetOpacity());
-  if (view.Surface != surface || view.Layers != layers)
+  if (view.Layers != layers)
   {
     view.SampleDistances = {};
   }
   const bool isNew = !view.Camera || view.Reduction.fullWidth() != view.Viewport.Width ||
     view.Reduction.fullHeight() != view.Viewport.Height || view.ClipFromData != clipFromData ||
-    view.ViewFromData != viewFromData || view.Surface != surface || view.Layers != layers ||
+    view.ViewFromData != viewFromData || view.Layers != layers ||
     (layers == treeamr::SurfaceLayers::All && view.MostHits != mostHits);
   const double distance = this->ChooseSampleDistance(view, isNew);
-  if (!isNew && distance == view.SampleDistance)
+  const bool isDraft = view.IsInteractive && this->AutoAdjustSampleDistances &&
+    (isNew || view.PictureIsOfThisFrame) && !view.Renderer->GetSelector();
+  const bool isCoarse = isDraft && this->LevelOfDetail > 0.;
+  if (!isNew && distance == view.SampleDistance &&
+    (isCoarse || view.Surface == this->Private->Surfaces.madeInFull()))
   {
     return;
   }
-  const double start = vtkTimerLog::GetUniversalTime();
   view.Camera.reset();
   view.PictureIsOfThisFrame = false;
   view.ColorFields.clear();
@@ -453,14 +461,16 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
   view.ShadowLights.clear();
   view.ClipFromData = clipFromData;
   view.ViewFromData = viewFromData;
-  view.Surface = surface;
   view.Layers = layers;
   view.MostHits = mostHits;
   view.Reduction = treeamr::ImageReduction(view.Viewport.Width, view.Viewport.Height, distance);
   view.SampleDistance = distance;
   const treeamr::Camera camera(clipFromData, viewFromData, view.Reduction.width(), view.Reduction.height());
-  surface->startFrame();
-  surface->render(camera, layers, view.Hits, mostHits);
+  view.Surface = isCoarse ? this->Private->Surfaces.ofDetail(camera, this->LevelOfDetail)
+                          : this->Private->Surfaces.inFull();
+  const double start = vtkTimerLog::GetUniversalTime();
+  view.Surface->startFrame();
+  view.Surface->render(camera, layers, view.Hits, mostHits);
   view.Camera = camera;
   view.Seconds = vtkTimerLog::GetUniversalTime() - start;
 }
@@ -539,7 +549,7 @@ treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTre
   internals.CategorySlot.release();
   if (ofItself)
   {
-    return treeamr::mapIsovalues(this, source, internals.Surface->isovalues());
+    return treeamr::mapIsovalues(this, source, view.Surface->isovalues());
   }
   std::vector<std::shared_ptr<const treeamr::Field>> fields;
   for (std::size_t c = 0; c < count; ++c)
@@ -701,7 +711,7 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
     [this](const std::string& message) { vtkWarningMacro(<< message); });
   vtkHyperTreeGrid* grid = this->UpdateInput();
   this->UpdateSurface(grid);
-  if (!internals.Surface)
+  if (internals.Surfaces.isEmpty())
   {
     return;
   }

@@ -125,11 +125,12 @@ public:
   ///@}
 
   ///@{
-  /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when
-  /// camera, actor or surfaces have changed, an interactive frame is traced with as few rays as fit
-  /// InteractiveRenderTime or, when that is 0, the time that VTK allocates to the actor. Their pixels have
-  /// the depth of the surface's tangent plane. Where nothing has moved since the last frame, interactive ones
-  /// have the full picture, and keep it; hardware selection always has one ray a pixel.
+  /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when camera,
+  /// actor or surfaces have changed, an interactive frame is traced with as few rays as fit InteractiveRenderTime
+  /// or, when that is 0, the time that VTK allocates to the actor, and cells smaller than LevelOfDetail pixels of
+  /// that picture are drawn together by their means. Pixels have the depth of the surface's tangent plane. Where
+  /// nothing has moved since the last frame, interactive ones have the full picture, and keep it; hardware
+  /// selection always has one ray a pixel and every cell.
   vtkSetMacro(AutoAdjustSampleDistances, bool);
   vtkGetMacro(AutoAdjustSampleDistances, bool);
   vtkBooleanMacro(AutoAdjustSampleDistances, bool);
@@ -141,12 +142,14 @@ public:
   vtkGetMacro(MaximumImageSampleDistance, double);
   vtkSetClampMacro(InteractiveRenderTime, double, 0., VTK_DOUBLE_MAX);
   vtkGetMacro(InteractiveRenderTime, double);
+  vtkSetClampMacro(LevelOfDetail, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(LevelOfDetail, double);
   ///@}
   /// Pixels between the rays of the last frame, in whichever renderer; 0 before the first.
   double GetLastImageSampleDistance();
 
   ///@{
-  /// Octants that the surfaces in use pass through, and when the mapper got them; 0 before the first.
+  /// Octants that the surfaces in use pass through, 0 before the first frame that is no draft; and when they changed.
   vtkIdType GetNumberOfPrimitives();
   vtkMTimeType GetSurfaceBuildTime();
   ///@}
@@ -186,6 +189,7 @@ protected:
   double MinimumImageSampleDistance = 1.;
   double MaximumImageSampleDistance = 10.;
   double InteractiveRenderTime = 0.;
+  double LevelOfDetail = 2.;
 
 private:
   struct View;

@@ -446,7 +446,7 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
   const std::shared_ptr<const treeamr::Field> field = internals.Categories
     ? internals.FieldSlot.acquire(this->GetHyperTreeGrid(), this->SelectArray(), true)
     : internals.Field;
-  if (internals.Surfaces[treeamr::eyeOf(renderer)].build(
+  if (internals.Surfaces[treeamr::eyeOf(renderer)].set(
         field, std::vector<double>(isovalues, isovalues + count)))
   {
     internals.SurfaceTime.Modified();
@@ -576,10 +576,10 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
       const treeamr::Camera camera(clipFromData, reduction.width(), reduction.height());
       const treeamr::DepthInterval interval{ rays.Begin.empty() ? nullptr : rays.Begin.data(),
         rays.End.empty() ? nullptr : rays.End.data() };
-      if (ownSurfaces.engine() && !surfaces) // the same for the other part of the rays
+      if (!ownSurfaces.isEmpty() && !surfaces) // the same for the other part of the rays
       {
         const Stopwatch stopwatch(frame.RayCastingSeconds);
-        ownSurfaces.trace(clipFromData, reduction.width(), reduction.height());
+        ownSurfaces.trace(clipFromData, reduction.width(), reduction.height(), frame.LevelOfDetail);
         const std::vector<treeamr::Light> lights = treeamr::convertLights(renderer);
         ownSurfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
                             ownSurfaces.engine()->isovalues(), this->IsosurfaceOpacityScale, lights),

@@ -486,9 +486,10 @@ void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValue
   }
 }
 
-void BlockEvaluator::computeUnrounded(const BlockPath& path, std::array<double, 125>& values) noexcept
+void BlockEvaluator::computeUnrounded(
+  const BlockPath& path, BlockCells cells, std::array<double, 125>& values) noexcept
 {
-  evaluate(path, BlockCells::Leaves);
+  evaluate(path, cells);
   std::copy_n(values_.begin(), values.size(), values.begin());
   if (drawn_ != 0xff)
   {

@@ -83,8 +83,8 @@ public:
   }
   /// Needs a drawn child.
   void compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept;
-  /// The values of BlockCells::Leaves before they are rounded to float.
-  void computeUnrounded(const BlockPath& path, std::array<double, 125>& values) noexcept;
+  /// The values before they are rounded to float.
+  void computeUnrounded(const BlockPath& path, BlockCells cells, std::array<double, 125>& values) noexcept;
   /// Contains the hull of a node with leaves among its children, for a fraction of the time: the hull where all
   /// cells around are of one size, otherwise that of the values that take part.
   Range bounds(const BlockPath& path) noexcept;

@@ -54,16 +54,23 @@ struct IsosurfaceStatistics
   double hierarchySeconds = 0.;
 };
 
+/// The least depth of cells that are at most so many pixels wide wherever the camera sees them (a root's is 0), up to that
+/// of the deepest leaves.
+int cellDepthFor(const Octree& octree, const Camera& camera, double pixels);
+
 class Isosurface
 {
 public:
   static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
+  static constexpr int allCellDepths = Octree::maxDepth;
 
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
   /// them. Vertex values are computed where rays come and kept within keptBytes. The field needs its node
-  /// ranges. Throws Error without a field or isovalues, for one that is not finite, or when Embree fails.
+  /// ranges. Cells deeper than mostCellDepth (at least 1; a root's is 0) are drawn together by their means, as
+  /// level of detail, unless there are ghosts. Throws Error without a field or isovalues, for one that is not
+  /// finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
-    std::size_t keptBytes = defaultKeptBytes);
+    std::size_t keptBytes = defaultKeptBytes, int mostCellDepth = allCellDepths);
   ~Isosurface();
   Isosurface(const Isosurface&) = delete;
   Isosurface& operator=(const Isosurface&) = delete;

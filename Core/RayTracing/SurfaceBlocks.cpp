@@ -20,10 +20,11 @@ namespace
 class Search
 {
 public:
-  Search(const Field& field, const std::vector<double>& isovalues)
+  Search(const Field& field, const std::vector<double>& isovalues, int deepest)
     : field_(field)
     , octree_(field.octree())
     , isovalues_(isovalues)
+    , deepest_(deepest)
     , serialDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() - 4)
   {
   }
@@ -38,7 +39,8 @@ public:
       return;
     }
     const Octree::Children children = octree_.children(node);
-    if (children.leaf != 0)
+    const bool isLast = depth == deepest_;
+    if (children.leaf != 0 || isLast)
     {
       if (depth > SurfaceBlock::maxDepth)
       {
@@ -46,6 +48,10 @@ public:
           std::to_string(SurfaceBlock::maxDepth + 1));
       }
       found.emplace_back(index, depth);
+    }
+    if (isLast)
+    {
+      return;
     }
     const auto visitChild = [&](int octant, LargeVector<SurfaceBlock>& into) {
       std::array<Coord, 3> child;
@@ -89,6 +95,7 @@ private:
   const Field& field_;
   const Octree& octree_;
   const std::vector<double>& isovalues_;
+  int deepest_;
   int serialDepth_;
 };
 
@@ -136,14 +143,22 @@ std::array<double, 64> extremes(const std::array<double, 125>& values, Compare c
   return z;
 }
 
+/// In the padded octree. A mean of ghosts and others would draw the ghosts.
+int deepestBlocks(const Octree& octree, int mostCellDepth) noexcept
+{
+  const int deepest = octree.hasGhosts() ? Octree::maxDepth : std::min(mostCellDepth, Octree::maxDepth);
+  return octree.grid().paddingDepth() + std::max(deepest, 1) - 1;
+}
+
 /// All blocks whose range holds one of the isovalues, in Morton order.
-LargeVector<SurfaceBlock> findCandidates(const Field& field, const std::vector<double>& isovalues)
+LargeVector<SurfaceBlock> findCandidates(
+  const Field& field, const std::vector<double>& isovalues, int deepest)
 {
   LargeVector<SurfaceBlock> found;
   const NodeRef root = field.octree().root();
   if (root.isInner())
   {
-    Search(field, isovalues).visit(root.index(), {}, 0, field.range(), found);
+    Search(field, isovalues, deepest).visit(root.index(), {}, 0, field.range(), found);
   }
   else if (root.isLeaf())
   {
@@ -174,11 +189,12 @@ void SurfaceBlock::narrow(std::uint64_t octants) noexcept
   }
 }
 
-SurfaceBlocks::SurfaceBlocks(
-  std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes)
+SurfaceBlocks::SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<double> isovalues,
+  std::size_t budgetBytes, int mostCellDepth)
   : field_(std::move(field))
   , isovalues_(std::move(isovalues))
-  , blocks_(findCandidates(*field_, isovalues_))
+  , deepest_(deepestBlocks(field_->octree(), mostCellDepth))
+  , blocks_(findCandidates(*field_, isovalues_, deepest_))
   , budgetBytes_(budgetBytes)
   , pool_(blocks_.size(), budgetBytes)
 {
@@ -268,9 +284,10 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   else
   {
     const BlockPath path(octree, { block.index(0), block.index(1), block.index(2) }, block.depth());
-    worker.evaluator.computeUnrounded(path, record.values);
     const Octree::Children children = octree.children(path.node[path.depth]);
-    drawn = children.leaf;
+    const bool byMeans = block.depth() == deepest_ && children.inner() != 0;
+    worker.evaluator.computeUnrounded(path, byMeans ? BlockCells::Means : BlockCells::Leaves, record.values);
+    drawn = byMeans ? children.exists : children.leaf;
     for (unsigned rest = octree.hasGhosts() ? drawn : 0; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);

@@ -101,8 +101,10 @@ class SurfaceBlocks
 {
 public:
   /// All blocks with active octants, in Morton order. isovalues: ascending, at least one. The field needs its node
-  /// ranges. Throws Error for a tree deeper than SurfaceBlock::maxDepth.
-  SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes);
+  /// ranges. Cells deeper than mostCellDepth are drawn together, by their means. Throws Error for a tree deeper than
+  /// SurfaceBlock::maxDepth.
+  SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes,
+    int mostCellDepth);
 
   const LargeVector<SurfaceBlock>& all() const noexcept { return blocks_; }
   const std::vector<double>& isovalues() const noexcept { return isovalues_; }
@@ -155,6 +157,7 @@ private:
 
   std::shared_ptr<const Field> field_;
   std::vector<double> isovalues_;
+  int deepest_; // of the blocks, in the padded octree
   mutable LargeVector<SurfaceBlock> blocks_; // rays add their records
   mutable std::optional<std::uint64_t> octants_;
   mutable std::atomic<std::uint64_t> computed_{ 0 };

@@ -137,6 +137,12 @@ void vtkTreeAMRIsosurfaceRepresentation::SetInteractiveRenderTime(double seconds
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::SetLevelOfDetail(double pixels)
+{
+  this->Mapper->SetLevelOfDetail(pixels);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionRadius(double radius)
 {
   this->Mapper->SetAmbientOcclusionRadius(radius);

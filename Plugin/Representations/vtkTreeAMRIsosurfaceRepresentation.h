@@ -34,6 +34,7 @@ public:
   void SetMinimumImageSampleDistance(double distance);
   void SetMaximumImageSampleDistance(double distance);
   void SetInteractiveRenderTime(double seconds);
+  void SetLevelOfDetail(double pixels);
   void SetAmbientOcclusionRadius(double radius);
   void SetShadows(bool shadows);
   ///@}

@@ -39,7 +39,7 @@ IsosurfaceCosts measureIsosurface(
   std::unique_ptr<Isosurface> surface;
   HitImage hits;
   const std::vector<double> isovalues{ isovalue };
-  costs.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes); });
+  costs.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes, Isosurface::allCellDepths); });
   costs.construction =
     best([&] { surface.reset(); }, [&] { surface = std::make_unique<Isosurface>(field, isovalues); });
   const auto render = [&] {

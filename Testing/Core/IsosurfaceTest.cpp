@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 using namespace treeamr;
@@ -659,4 +660,92 @@ TEST(Isosurface, KnowsTheCellsOfItsHits)
     }
   }
   EXPECT_GT(hits, 2000);
+}
+
+// Where all cells are at least that deep, the surface without deeper ones is that of a uniform grid of their means.
+TEST(Isosurface, WithoutDeepCellsIsThatOfTheirMeans)
+{
+  constexpr int depth = 3;
+  constexpr int width = 1 << depth;
+  std::mt19937 random(31);
+  std::uniform_int_distribution<int> value(-64, 64); // means of 64 are exact
+  std::bernoulli_distribution refined(0.4);
+  std::vector<LeafCell> cells;
+  std::vector<LeafCell> means;
+  for (Coord i = 0; i < width * width * width; ++i)
+  {
+    const std::array<Coord, 3> index{ i % width, i / width % width, i / (width * width) };
+    const int deeper = refined(random) ? (refined(random) ? 2 : 1) : 0;
+    double sum = 0.;
+    for (Coord c = 0; c < Coord(1) << (3 * deeper); ++c)
+    {
+      LeafCell cell{ { {}, depth + deeper }, static_cast<float>(value(random)) };
+      for (int a = 0; a < 3; ++a)
+      {
+        cell.cell.index[a] = (index[a] << deeper) + (c >> (a * deeper) & ((1u << deeper) - 1));
+      }
+      sum += cell.value;
+      cells.push_back(cell);
+    }
+    means.push_back({ { index, depth }, static_cast<float>(std::ldexp(sum, -3 * deeper)) });
+  }
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), std::move(cells));
+  const Isosurface coarse(field, { -3.3, 5.1 }, Isosurface::defaultKeptBytes, depth);
+  const Isosurface expected(makeField(unitRoots({ 1, 1, 1 }), std::move(means)), { -3.3, 5.1 });
+  EXPECT_EQ(coarse.octantCount(), expected.octantCount());
+  int found = 0;
+  for (int i = 0; i < 2000; ++i)
+  {
+    const Ray ray = towards(inside({ 1, 1, 1 }, random), { 1, 1, 1 }, random);
+    std::vector<SurfaceHit> hits;
+    std::vector<SurfaceHit> others;
+    coarse.intersectAll(ray, 0., 100., hits);
+    expected.intersectAll(ray, 0., 100., others);
+    ASSERT_EQ(hits.size(), others.size());
+    for (std::size_t h = 0; h < hits.size(); ++h, ++found)
+    {
+      ASSERT_NEAR(hits[h].t, others[h].t, 1e-12);
+      ASSERT_EQ(hits[h].surface, others[h].surface);
+    }
+  }
+  EXPECT_GT(found, 5000);
+  const Isosurface all(field, { -3.3, 5.1 });
+  EXPECT_GT(all.octantCount(), 2 * coarse.octantCount());
+  EXPECT_EQ(Isosurface(field, { -3.3, 5.1 }, Isosurface::defaultKeptBytes, depth + 2).octantCount(),
+    all.octantCount());
+}
+
+// A cell of depth d is 2^-d wide, a pixel at the nearest point of the domain 2 tan(fovy / 2) / height times as far.
+TEST(Isosurface, FindsTheDepthOfCellsThatAreSoManyPixelsWide)
+{
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), makeRandomTree({ 5, { 1, 1, 1 }, 9, 0.3 }));
+  const Octree& octree = field->octree();
+  const int leaves = octree.leafLevels() - 1;
+  ASSERT_GE(leaves, 6);
+  const Matrix4 view = lookAt({ 0.5, 0.5, 5. }, { 0.5, 0.5, 0. }, { 0., 1., 0. });
+  const double pixel = 4. * 2. * std::tan(0.5 * 40. * std::numbers::pi / 180.) / 100.; // 0.029
+  const Camera camera(multiply(perspective(40., 0.1, 20.), view), identityMatrix, 100, 100);
+  for (const double pixels : { 0.3, 1., 2., 8. })
+  {
+    const int depth = cellDepthFor(octree, camera, pixels);
+    EXPECT_LE(std::ldexp(1., -depth), pixels * pixel);
+    EXPECT_GT(std::ldexp(2., -depth), pixels * pixel);
+  }
+  EXPECT_EQ(cellDepthFor(octree, camera, 1e6), 0);
+  EXPECT_EQ(cellDepthFor(octree, camera, 1e-6), leaves);
+  EXPECT_EQ(cellDepthFor(octree, camera, 0.), leaves);
+  // Half as large in the world, at the same place of the picture: an actor's scale.
+  Matrix4 half = identityMatrix;
+  half[0] = half[5] = half[10] = 0.5;
+  EXPECT_EQ(cellDepthFor(octree,
+              Camera(multiply(multiply(perspective(40., 0.1, 20.),
+                                lookAt({ 0.25, 0.25, 2.5 }, { 0.25, 0.25, 0. }, { 0., 1., 0. })),
+                       half),
+                half, 100, 100),
+              2.),
+    cellDepthFor(octree, camera, 2.));
+  // From inside nothing is small.
+  const Camera within(multiply(perspective(40., 0.1, 20.), lookAt({ 0.5, 0.5, 0.5 }, { 0.1, 0.2, 0.3 })),
+    identityMatrix, 100, 100);
+  EXPECT_EQ(cellDepthFor(octree, within, 2.), leaves);
 }

@@ -317,7 +317,7 @@ TEST_F(IsosurfaceMapperTest, picking)
   Scene scene;
   const auto grid = planeGrid();
   vtkActor* surface = scene.addIsosurface(grid, "plane", 0.);
-  // Volumes are not picked, which they say once, and hide nothing from picking.
+  // Volumes are not picked, as all in VTK, and hide nothing from picking.
   vtkTreeAMRVolumeMapper* volumeMapper = Scene::mapperOf(scene.addVolume(grid, "x", { 1., 1., 1. }, 0.5));
   MessageCounter messages(volumeMapper);
   vtkActor* rectangle =
@@ -349,7 +349,7 @@ TEST_F(IsosurfaceMapperTest, picking)
       }
     }
   }
-  EXPECT_EQ(messages.warnings.size(), 1u);
+  EXPECT_TRUE(messages.warnings.empty());
   volumeMapper->RemoveAllObservers();
   EXPECT_GT(found[0], 5);
   EXPECT_GE(found[1], 1);

@@ -109,6 +109,7 @@ TEST_F(MapperSettingsTest, shallowCopies)
   surfaceMapper_->SetMinimumImageSampleDistance(3.);
   surfaceMapper_->SetMaximumImageSampleDistance(4.);
   surfaceMapper_->SetInteractiveRenderTime(0.5);
+  surfaceMapper_->SetLevelOfDetail(0.25);
   surfaceMapper_->SetColorModeToDirectScalars();
   vtkNew<vtkTreeAMRIsosurfaceMapper> surfaceCopy;
   surfaceCopy->ShallowCopy(surfaceMapper_);

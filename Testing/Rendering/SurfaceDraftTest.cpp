@@ -158,3 +158,43 @@ TEST_F(SurfaceDraftTest, layersAloneInDepthPeelingAreAllThere)
     }
   }
 }
+
+// Far away cells are smaller than pixels: a draft draws them together, and only a draft.
+TEST_F(SurfaceDraftTest, hasTheLevelOfDetail)
+{
+  Scene scene;
+  scene.useFloatTarget();
+  vtkActor* actor = scene.addIsosurface(makeTestGrid(), "x", 0.1);
+  vtkTreeAMRIsosurfaceMapper* mapper = Scene::mapperOf(actor);
+  mapper->SetInteractiveRenderTime(plenty); // one ray a pixel
+  scene.setCamera();
+  scene.window->SetDesiredUpdateRate(still);
+  const auto full = scene.render();
+  const vtkIdType octants = mapper->GetNumberOfPrimitives();
+  scene.window->SetDesiredUpdateRate(interactive);
+  const auto draft = [&](double pixels) {
+    mapper->SetLevelOfDetail(pixels);
+    vtkCamera* camera = scene.renderer->GetActiveCamera();
+    camera->Azimuth(1.);
+    scene.render();
+    camera->Azimuth(-1.);
+    return scene.render();
+  };
+  EXPECT_EQ(draft(0.), full);
+  EXPECT_EQ(draft(1e-3), full);
+  const auto coarse = draft(1e3);
+  EXPECT_EQ(mapper->GetLastImageSampleDistance(), 1.);
+  EXPECT_NE(coarse, full);
+  EXPECT_EQ(scene.render(), full) << "nothing has moved";
+  EXPECT_EQ(draft(1e3), coarse);
+  scene.window->SetDesiredUpdateRate(still);
+  EXPECT_EQ(scene.render(), full);
+  EXPECT_EQ(mapper->GetNumberOfPrimitives(), octants);
+  // So is one of other isovalues, and what is selected is never.
+  scene.window->SetDesiredUpdateRate(interactive);
+  mapper->SetValue(0, -0.3);
+  const auto other = scene.render();
+  mapper->SetValue(0, 0.1);
+  EXPECT_EQ(scene.render(), coarse);
+  EXPECT_NE(other, coarse);
+}
