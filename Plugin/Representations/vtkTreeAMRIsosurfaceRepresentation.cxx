@@ -56,6 +56,17 @@ bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
 }
 
 //------------------------------------------------------------------------------
+std::vector<double> vtkTreeAMRIsosurfaceRepresentation::GetDraftedIsovalues()
+{
+  if (!this->Mapper->GetAutoAdjustSampleDistances())
+  {
+    return {};
+  }
+  const double* values = this->Mapper->GetValues();
+  return { values, values + this->Mapper->GetNumberOfContours() };
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
 {
   // Not left to the actor, which a client does not draw.

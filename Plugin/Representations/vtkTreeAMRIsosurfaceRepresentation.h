@@ -70,6 +70,7 @@ protected:
   vtkProp3D* GetProp() override;
   bool NeedsOrderedCompositing() override;
   bool IsExportedWithoutTrees() override { return this->HasExportedTriangles; }
+  std::vector<double> GetDraftedIsovalues() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
 
 private:

@@ -1,5 +1,7 @@
 #include "vtkTreeAMRRepresentation.h"
 
+#include "SweepDrafts.h"
+
 #include "vtkAlgorithmOutput.h"
 #include "vtkCommand.h"
 #include "vtkCompositeDataIterator.h"
@@ -179,6 +181,7 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   {
     vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this);
     this->UpdateMapper(producer);
+    this->Drafts->StartFrame(vtkPVRenderView::SafeDownCast(this->GetView()), this->GetDraftedIsovalues());
     this->GetProp()->UseBoundsOn();
     // The mappers report a grid without trees as an error, but many ranks may have nothing to draw.
     this->GetProp()->SetVisibility(
@@ -208,6 +211,7 @@ bool vtkTreeAMRRepresentation::RemoveFromView(vtkView* view)
   {
     return false;
   }
+  this->Drafts->Cancel();
   renderView->GetRenderer()->RemoveViewProp(this->GetProp());
   renderView->UnRegisterPropForHardwareSelection(this, this->GetProp());
   return this->Superclass::RemoveFromView(view);
@@ -217,6 +221,10 @@ bool vtkTreeAMRRepresentation::RemoveFromView(vtkView* view)
 void vtkTreeAMRRepresentation::SetVisibility(bool visible)
 {
   this->Superclass::SetVisibility(visible);
+  if (!visible)
+  {
+    this->Drafts->Cancel();
+  }
   this->GetProp()->SetVisibility(visible);
 }
 

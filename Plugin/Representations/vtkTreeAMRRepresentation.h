@@ -7,12 +7,15 @@
 #ifndef vtkTreeAMRRepresentation_h
 #define vtkTreeAMRRepresentation_h
 
+#include "vtkNew.h" // for Drafts
 #include "vtkPVDataRepresentation.h"
 #include "vtkSmartPointer.h"                 // for Grid
 #include "vtkTreeAMRRepresentationsModule.h" // for the export macro
 
 #include <string> // for array names
+#include <vector> // for isovalues
 
+class SweepDrafts;
 class vtkAlgorithmOutput;
 class vtkHyperTreeGrid;
 class vtkProp3D;
@@ -50,6 +53,8 @@ protected:
   /// In every update of the view, on every rank, whether or not its pipeline has run: the place for what ranks decide
   /// together, as a reader that failed on one of them must not leave the others waiting.
   virtual void UpdateFromAllRanks() {}
+  /// The isovalues that the prop shows, if interactive frames are drafts of them, else none: see SweepDrafts.
+  virtual std::vector<double> GetDraftedIsovalues() = 0;
   /// Before each render: connect the mapper and bring it up to date with the representation.
   virtual void UpdateMapper(vtkAlgorithmOutput* grid) = 0;
 
@@ -71,6 +76,7 @@ private:
   vtkTreeAMRRepresentation(const vtkTreeAMRRepresentation&) = delete;
   void operator=(const vtkTreeAMRRepresentation&) = delete;
 
+  vtkNew<SweepDrafts> Drafts;
   double LocalBounds[6];
   bool HasExecuted = false; // RequestData(), in this update of the view
 };

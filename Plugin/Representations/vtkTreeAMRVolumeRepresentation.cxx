@@ -94,6 +94,17 @@ void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
 }
 
 //------------------------------------------------------------------------------
+std::vector<double> vtkTreeAMRVolumeRepresentation::GetDraftedIsovalues()
+{
+  if (!this->Mapper->GetAutoAdjustSampleDistances() || !this->HasSurfaces())
+  {
+    return {};
+  }
+  vtkContourValues* values = this->Property->GetIsoSurfaceValues();
+  return { values->GetValues(), values->GetValues() + values->GetNumberOfContours() };
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
 {
   this->Mapper->SetInputConnection(grid);
@@ -174,12 +185,17 @@ void vtkTreeAMRVolumeRepresentation::SetShade(bool shade)
 }
 
 //------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeRepresentation::HasSurfaces()
+{
+  return this->Mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND ||
+    this->Mapper->GetShowIsosurfaces();
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::UpdateShade()
 {
   // The mapper would warn that it shades no volume, which nobody has asked for here.
-  const bool hasSurfaces =
-    this->Mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND || this->Mapper->GetShowIsosurfaces();
-  this->Property->SetShade(this->Shade && hasSurfaces);
+  this->Property->SetShade(this->Shade && this->HasSurfaces());
 }
 
 //------------------------------------------------------------------------------

@@ -79,12 +79,14 @@ protected:
   vtkProp3D* GetProp() override;
   bool NeedsOrderedCompositing() override { return true; }
   void UpdateFromAllRanks() override;
+  std::vector<double> GetDraftedIsovalues() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
 
 private:
   vtkTreeAMRVolumeRepresentation(const vtkTreeAMRVolumeRepresentation&) = delete;
   void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
 
+  bool HasSurfaces();
   void UpdateShade();
 
   bool Shade = true; // the isosurfaces

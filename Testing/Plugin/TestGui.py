@@ -2,7 +2,7 @@
 
 TestGui.py <paraview> <folder for screenshots>
 
-Screenshots of the whole window are volume.png, colours.png, isosurface.png and swept.png.
+Screenshots of the whole display are volume.png, colours.png, isosurface.png, swept.png, completed.png and rendered.png.
 """
 
 import os
@@ -16,15 +16,56 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
 PARAVIEW, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
-PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png"]
+PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "completed.png", "rendered.png"]
+TELL_DISTANCE = f"""
+from paraview.simple import *
+import treeamr.vtkTreeAMRRendering
+
+display, view = GetDisplayProperties(), GetActiveView()
+
+def tell_distance():
+    "Of the last frame, in pixels between rays: 1 of a full picture, more of a draft."
+    props = view.GetRenderer().GetViewProps()
+    props = [props.GetItemAsObject(i) for i in range(props.GetNumberOfItems())]
+    mapper = next(p.GetMapper() for p in props if p.IsA("vtkTreeAMRIsosurfaceActor"))
+    with open({str(FOLDER / "distances")!r}, "a", encoding="utf-8") as file:
+        print(mapper.GetLastImageSampleDistance(), file=file)
+"""
 # Run by ParaView itself, so that nothing moves on meanwhile.
-MACRO = f"""
+MACROS = {
+    "screenshot": f"""
 import os
 import subprocess
 
 picture = next(p for p in {[str(FOLDER / p) for p in PICTURES]} if not os.path.exists(p))
 subprocess.run(['import', '-window', 'root', picture], check=True)
-"""
+""",
+    "sweep": TELL_DISTANCE + f"""
+display.InteractiveRenderTime = 1e-9  # as few rays as allowed
+Render()
+tell_distance()
+display.FirstIsovalue += 0.1
+Render()
+tell_distance()
+display.FirstIsovalue += 0.1
+SaveScreenshot({str(FOLDER / "captured.png")!r}, view)
+tell_distance()
+display.FirstIsovalue += 0.1
+Render()
+SaveScreenshot({str(FOLDER / "captured.png")!r}, view)
+""",
+    "render": TELL_DISTANCE + """
+tell_distance()
+Render()
+""",
+    "leave": """
+from paraview.simple import *
+
+GetDisplayProperties().FirstIsovalue -= 0.1
+Render()
+Delete(GetActiveSource())
+""",
+}
 
 
 def pixels(name):
@@ -32,6 +73,10 @@ def pixels(name):
     reader.SetFileName(str(FOLDER / name))
     reader.Update()
     return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())[:, :3].astype(int).T
+
+
+def inside_view(name):
+    return pixels(name).reshape(3, 1200, 1600)[:, 640:840, 430:630]
 
 
 def count(name, condition):
@@ -53,7 +98,8 @@ class TestGui(unittest.TestCase):
         shutil.rmtree(FOLDER, ignore_errors=True)
         macros = FOLDER / "home" / ".config" / "ParaView" / "Macros"
         macros.mkdir(parents=True)
-        (macros / "screenshot.py").write_text(MACRO, encoding="utf-8")
+        for name, text in MACROS.items():
+            (macros / f"{name}.py").write_text(text, encoding="utf-8")
         run = FOLDER / "run"
         run.mkdir(mode=0o700)
         script = pathlib.Path(__file__).parent / "gui.xml"
@@ -83,6 +129,15 @@ class TestGui(unittest.TestCase):
     def test_slider_sweeps_the_isosurface(self):
         before, after = pixels("isosurface.png"), pixels("swept.png")
         self.assertGreater((before != after).any(axis=0).sum(), 20000)
+
+    def test_still_frames_of_other_isovalues_are_drafts_that_are_completed(self):
+        """But not captured pictures."""
+        before, draft, captured, completed = map(float, (FOLDER / "distances").read_text(encoding="utf-8").split())
+        self.assertGreater(draft, 1)
+        self.assertEqual([1, 1, 1], [before, captured, completed])
+        swept, shown, rendered = (inside_view(p) for p in ("swept.png", "completed.png", "rendered.png"))
+        self.assertGreater((swept != shown).any(axis=0).mean(), 0.2)
+        self.assertTrue((shown == rendered).all())
 
 
 if __name__ == "__main__":
