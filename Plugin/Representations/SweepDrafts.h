@@ -1,6 +1,8 @@
 // Drafts while isovalues are swept through in ParaView's panels, whose sliders ask for a still frame at each step.
 #pragma once
 
+#include "InteractorTimer.h"
+
 #include "vtkObject.h"
 #include "vtkWeakPointer.h"
 
@@ -8,7 +10,6 @@
 
 class vtkPVRenderView;
 class vtkPVSession;
-class vtkRenderWindowInteractor;
 
 /// Makes a still frame of values that have just changed an interactive one, and has it followed by the full picture when
 /// they stay. Only in windows of ParaView's GUI, whose event loop brings the latter, and not while a picture is captured,
@@ -23,15 +24,14 @@ public:
   /// that drafts are wanted of.
   void StartFrame(vtkPVRenderView* view, const std::vector<double>& values);
   /// The full picture that is due, if any, is left to others: because nothing is drawn any more, or all of it.
-  void Cancel();
+  void Cancel() { this->Timer.Cancel(); }
 
 protected:
   SweepDrafts() = default;
-  ~SweepDrafts() override;
+  ~SweepDrafts() override = default;
 
 private:
   void StartTimer(unsigned long milliseconds);
-  void TimerFired(vtkObject* caller, unsigned long event, void* timer);
   void DrawStill();
 
   std::vector<double> Values; // of the last frame
@@ -40,8 +40,6 @@ private:
   // Of the full picture that is due.
   vtkWeakPointer<vtkPVRenderView> View;
   vtkWeakPointer<vtkPVSession> Session; // of the view
-  vtkWeakPointer<vtkRenderWindowInteractor> Interactor;
-  unsigned long Observer = 0;
-  int Timer = 0;          // 0: none is due
+  InteractorTimer Timer;
   bool IsInDraft = false; // before the event loop runs again
 };

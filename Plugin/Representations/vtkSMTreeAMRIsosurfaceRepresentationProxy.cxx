@@ -4,9 +4,7 @@
 
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPVSession.h"
 #include "vtkSMPropertyHelper.h"
-#include "vtkSMSession.h"
 #include "vtkTreeAMRIsosurfaceRepresentation.h"
 
 #include <string>
@@ -31,10 +29,7 @@ void vtkSMTreeAMRIsosurfaceRepresentationProxy::ObjectsHaveBeenCreated()
 {
   this->Superclass::ObjectsHaveBeenCreated();
   auto representation = vtkTreeAMRIsosurfaceRepresentation::SafeDownCast(this->GetClientSideObject());
-  vtkSMSession* session = this->GetSession();
-  const bool drawsAll = (session->GetProcessRoles() & vtkPVSession::RENDER_SERVER) != 0 &&
-    session->GetNumberOfProcesses(vtkPVSession::RENDER_SERVER) == 1;
-  if (representation && !drawsAll)
+  if (representation && !this->DrawsAlone())
   {
     vtkNew<GatheredTriangles> triangles;
     triangles->SetProxy(this);

@@ -1,13 +1,18 @@
 #include "vtkSMTreeAMRRepresentationProxy.h"
 
 #include "FirstElementLink.h"
+#include "SliderPreview.h"
 
+#include "vtkClientServerStream.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVSession.h"
 #include "vtkPVXMLElement.h"
 #include "vtkSMArrayRangeDomain.h"
 #include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMSession.h"
+#include "vtkSMViewProxy.h"
 
 #include <algorithm>
 #include <sstream>
@@ -76,6 +81,16 @@ void vtkSMTreeAMRRepresentationProxy::ObjectsHaveBeenCreated()
       this->Slider->Connect(
         this->GetProperty(hint->GetAttribute("list")), this->GetProperty(hint->GetAttribute("first")));
       this->List = hint->GetAttribute("list");
+      this->Preview = std::make_unique<SliderPreview>();
+      this->Preview->Connect(
+        this->GetProperty(hint->GetAttribute("first")), [this] { return this->GetDrawnView(); },
+        [this](double value) {
+          vtkClientServerStream stream;
+          stream << vtkClientServerStream::Invoke << VTKOBJECT(this)
+                 << this->GetProperty(this->List.c_str())->GetCommand() << 0 << value
+                 << vtkClientServerStream::End;
+          this->ExecuteStream(stream);
+        });
       this->Representation = hint->GetAttribute("representation");
       this->OtherList = hint->GetAttribute("other");
     }
@@ -116,6 +131,23 @@ void vtkSMTreeAMRRepresentationProxy::ReviewIsovalues()
   }
   this->IsovaluesGiven = false;
   other->IsovaluesGiven = false;
+}
+
+//------------------------------------------------------------------------------
+bool vtkSMTreeAMRRepresentationProxy::DrawsAlone()
+{
+  vtkSMSession* session = this->GetSession();
+  return (session->GetProcessRoles() & vtkPVSession::RENDER_SERVER) != 0 &&
+    session->GetNumberOfProcesses(vtkPVSession::RENDER_SERVER) == 1;
+}
+
+//------------------------------------------------------------------------------
+vtkSMViewProxy* vtkSMTreeAMRRepresentationProxy::GetDrawnView()
+{
+  vtkSMProxy* panel = this->GetTrueParentProxy();
+  const bool isDrawn = this->DrawsAlone() && this->ShowsIsosurfaces() &&
+    vtkSMPropertyHelper(panel, "Representation").GetAsString() == this->Representation;
+  return isDrawn ? vtkSMViewProxy::FindView(panel) : nullptr;
 }
 
 //------------------------------------------------------------------------------

@@ -1,7 +1,8 @@
 // What the proxies of the volume and the isosurface representation share: the panel of the representation that they
 // belong to, and isovalues that are inside the range of their array.
 //
-// A single isovalue, which has a slider in the panel, is the first of the list:
+// A single isovalue, which has a slider in the panel, is the first of the list. While the mouse drags it the view shows
+// drafts, where this process draws alone:
 //
 //     <IsovalueSlider list="Isovalues" first="FirstIsovalue" representation="Tree AMR Isosurface"
 //                     other="IsosurfaceValues"/>
@@ -26,6 +27,8 @@
 #include <string>
 
 class FirstElementLink;
+class SliderPreview;
+class vtkSMViewProxy;
 class vtkPVXMLElement;
 
 class VTKTREEAMRREPRESENTATIONS_EXPORT vtkSMTreeAMRRepresentationProxy : public vtkSMRepresentationProxy
@@ -45,6 +48,8 @@ protected:
   /// Once, when the objects are there; not of a prototype.
   virtual void ObjectsHaveBeenCreated();
   void SetPropertyModifiedFlag(const char* name, int flag) override;
+  /// Whether this process draws, and no other.
+  bool DrawsAlone();
   /// Whether the list of isovalues counts when the representation is this one.
   virtual bool ShowsIsosurfaces() { return true; }
 
@@ -58,8 +63,10 @@ private:
 
   void DecoratePanel(vtkPVXMLElement* decorator);
   void ReviewIsovalues();
+  vtkSMViewProxy* GetDrawnView();
 
   std::unique_ptr<FirstElementLink> Slider;
+  std::unique_ptr<SliderPreview> Preview;
   std::string Representation;  // what the panel calls this one
   std::string List;            // of its isovalues: the property's name
   std::string OtherList;       // that of the other representation

@@ -2,7 +2,8 @@
 
 TestGui.py <paraview> <folder for screenshots>
 
-Screenshots of the whole display are volume.png, colours.png, isosurface.png, swept.png, completed.png and rendered.png.
+Screenshots of the whole display are volume.png, colours.png, isosurface.png, swept.png, completed.png, rendered.png
+and dragged.png.
 """
 
 import os
@@ -16,7 +17,8 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
 PARAVIEW, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
-PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "completed.png", "rendered.png"]
+PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "completed.png", "rendered.png",
+            "dragged.png"]
 TELL_DISTANCE = f"""
 from paraview.simple import *
 import treeamr.vtkTreeAMRRendering
@@ -57,6 +59,12 @@ SaveScreenshot({str(FOLDER / "captured.png")!r}, view)
     "render": TELL_DISTANCE + """
 tell_distance()
 Render()
+""",
+    "drag": """
+from paraview.simple import *
+
+display = GetDisplayProperties()
+display.GetProperty("FirstIsovalue").SMProperty.SetUncheckedElement(0, display.FirstIsovalue - 0.3)
 """,
     "leave": """
 from paraview.simple import *
@@ -138,6 +146,10 @@ class TestGui(unittest.TestCase):
         swept, shown, rendered = (inside_view(p) for p in ("swept.png", "completed.png", "rendered.png"))
         self.assertGreater((swept != shown).any(axis=0).mean(), 0.2)
         self.assertTrue((shown == rendered).all())
+
+    def test_slider_is_followed_while_it_is_dragged(self):
+        rendered, dragged = inside_view("rendered.png"), inside_view("dragged.png")
+        self.assertGreater((rendered != dragged).any(axis=0).mean(), 0.2)
 
 
 if __name__ == "__main__":
