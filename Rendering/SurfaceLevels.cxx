@@ -30,7 +30,7 @@ const std::shared_ptr<const Isosurface>& SurfaceLevels::ofDetail(const Camera& c
 {
   const Octree& octree = field_->octree();
   const int depth = cellDepthFor(octree, camera, pixels);
-  if (depth + 1 >= octree.leafLevels() || octree.hasGhosts())
+  if (depth + 1 >= octree.leafLevels())
   {
     return this->inFull();
   }

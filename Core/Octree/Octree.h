@@ -53,6 +53,11 @@ public:
   {
     return hasGhosts() && (ghosts_[leaf >> 6] >> (leaf & 63) & 1);
   }
+  /// Whether an inner node's subtree has any.
+  bool hasGhostsBelow(std::uint64_t inner) const noexcept
+  {
+    return hasGhosts() && (ghostsBelow_[inner >> 6] >> (inner & 63) & 1);
+  }
 
   /// Allocated bytes.
   std::size_t byteSize() const noexcept;
@@ -69,6 +74,7 @@ private:
   Table table_;
   std::vector<std::uint64_t> firstInner_{ 0 }; // by depth, and the end
   std::vector<std::uint64_t> ghosts_;          // a bit per leaf; empty: none is a ghost
+  std::vector<std::uint64_t> ghostsBelow_;     // a bit per inner node; empty: none
   std::uint64_t leafCount_ = 0;
   int leafLevels_ = 0;
   NodeRef root_{};

@@ -94,7 +94,39 @@ std::shared_ptr<const Octree> OctreeAssembler::finish()
   {
     std::vector<std::uint64_t>().swap(tree.ghosts_);
   }
+  else
+  {
+    this->findGhostsBelow();
+  }
   return octree_;
+}
+
+void OctreeAssembler::findGhostsBelow()
+{
+  Octree& tree = *octree_;
+  tree.ghostsBelow_.assign((tree.innerCount() + 63) / 64, 0);
+  // The last word of a depth is the first of the next.
+  const auto wordOf = [&](std::uint64_t node) { return std::atomic_ref(tree.ghostsBelow_[node >> 6]); };
+  for (int depth = tree.innerDepths() - 1; depth >= 0; --depth)
+  {
+    tbb::parallel_for(tree.firstInner(depth), tree.firstInner(depth + 1), [&](std::uint64_t node) {
+      const Octree::Children children = tree.children(node);
+      bool found = false;
+      for (int i = 0; i < static_cast<int>(children.leafCount()); ++i)
+      {
+        found = found || tree.isGhost(children.firstLeaf + i);
+      }
+      for (int i = 0; i < static_cast<int>(children.innerCount()); ++i)
+      {
+        const std::uint64_t child = children.firstInner + i;
+        found = found || (wordOf(child).load(std::memory_order_relaxed) >> (child & 63) & 1);
+      }
+      if (found)
+      {
+        wordOf(node).fetch_or(std::uint64_t(1) << (node & 63), std::memory_order_relaxed);
+      }
+    });
+  }
 }
 
 } // namespace treeamr

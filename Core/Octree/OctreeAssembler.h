@@ -76,6 +76,8 @@ public:
   std::shared_ptr<const Octree> finish();
 
 private:
+  void findGhostsBelow();
+
   std::shared_ptr<Octree> octree_;
   std::vector<NodeCounts> first_; // by stretch: places of its first nodes
   /// By stretch and depth: children of a node that an earlier stretch started, which may be writing it.

@@ -39,7 +39,8 @@ public:
       return;
     }
     const Octree::Children children = octree_.children(node);
-    const bool isLast = depth == deepest_;
+    // A mean of ghosts and others would draw the ghosts.
+    const bool isLast = depth >= deepest_ && !octree_.hasGhostsBelow(node);
     if (children.leaf != 0 || isLast)
     {
       if (depth > SurfaceBlock::maxDepth)
@@ -143,13 +144,6 @@ std::array<double, 64> extremes(const std::array<double, 125>& values, Compare c
   return z;
 }
 
-/// In the padded octree. A mean of ghosts and others would draw the ghosts.
-int deepestBlocks(const Octree& octree, int mostCellDepth) noexcept
-{
-  const int deepest = octree.hasGhosts() ? Octree::maxDepth : std::min(mostCellDepth, Octree::maxDepth);
-  return octree.grid().paddingDepth() + std::max(deepest, 1) - 1;
-}
-
 /// All blocks whose range holds one of the isovalues, in Morton order.
 LargeVector<SurfaceBlock> findCandidates(
   const Field& field, const std::vector<double>& isovalues, int deepest)
@@ -193,7 +187,7 @@ SurfaceBlocks::SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<dou
   std::size_t budgetBytes, int mostCellDepth)
   : field_(std::move(field))
   , isovalues_(std::move(isovalues))
-  , deepest_(deepestBlocks(field_->octree(), mostCellDepth))
+  , deepest_(field_->octree().grid().paddingDepth() + std::clamp(mostCellDepth, 1, Octree::maxDepth) - 1)
   , blocks_(findCandidates(*field_, isovalues_, deepest_))
   , budgetBytes_(budgetBytes)
   , pool_(blocks_.size(), budgetBytes)
@@ -284,11 +278,12 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   else
   {
     const BlockPath path(octree, { block.index(0), block.index(1), block.index(2) }, block.depth());
-    const Octree::Children children = octree.children(path.node[path.depth]);
-    const bool byMeans = block.depth() == deepest_ && children.inner() != 0;
+    const std::uint64_t node = path.node[path.depth];
+    const Octree::Children children = octree.children(node);
+    const bool byMeans = block.depth() >= deepest_ && children.inner() != 0 && !octree.hasGhostsBelow(node);
     worker.evaluator.computeUnrounded(path, byMeans ? BlockCells::Means : BlockCells::Leaves, record.values);
     drawn = byMeans ? children.exists : children.leaf;
-    for (unsigned rest = octree.hasGhosts() ? drawn : 0; rest != 0; rest &= rest - 1)
+    for (unsigned rest = octree.hasGhosts() && !byMeans ? drawn : 0; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
       drawn &= ~(static_cast<unsigned>(octree.isGhost(children.leafIndex(octant))) << octant);

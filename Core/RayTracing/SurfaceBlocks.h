@@ -157,7 +157,7 @@ private:
 
   std::shared_ptr<const Field> field_;
   std::vector<double> isovalues_;
-  int deepest_; // of the blocks, in the padded octree
+  int deepest_; // of the blocks, in the padded octree, that have no ghosts below
   mutable LargeVector<SurfaceBlock> blocks_; // rays add their records
   mutable std::optional<std::uint64_t> octants_;
   mutable std::atomic<std::uint64_t> computed_{ 0 };

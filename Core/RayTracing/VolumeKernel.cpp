@@ -453,12 +453,12 @@ private:
     ++statistics_.nodes;
     const Octree::Children children = octree_.children(node);
     const bool constants = scene_.features.categories;
-    if (!constants && isBlock(children))
+    if (!constants && isBlock(node, children))
     {
       visitBlock(node, BlockCells::Leaves, box, active);
       return;
     }
-    if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(children, box))
+    if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(node, children, box))
     {
       visitBlock(node, BlockCells::Means, box, active);
       return;
@@ -545,15 +545,15 @@ private:
   }
 
   /// Whether the node's children are drawn together.
-  bool isBlock(const Octree::Children& children) const noexcept
+  bool isBlock(std::uint64_t node, const Octree::Children& children) const noexcept
   {
     // Above the root trees widths may differ and parts be missing.
-    return children.allLeaves() && path_.depth >= grid_.paddingDepth() && !octree_.hasGhosts();
+    return children.allLeaves() && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node);
   }
 
-  bool isDrawnByMeans(const Octree::Children& children, const Box& box) const noexcept
+  bool isDrawnByMeans(std::uint64_t node, const Octree::Children& children, const Box& box) const noexcept
   {
-    return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhosts() &&
+    return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node) &&
       isSmall(box);
   }
 

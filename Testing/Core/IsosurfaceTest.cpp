@@ -4,6 +4,7 @@
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
+#include "Support/ListSource.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 
@@ -689,7 +690,7 @@ TEST(Isosurface, WithoutDeepCellsIsThatOfTheirMeans)
     }
     means.push_back({ { index, depth }, static_cast<float>(std::ldexp(sum, -3 * deeper)) });
   }
-  const auto field = makeField(unitRoots({ 1, 1, 1 }), std::move(cells));
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
   const Isosurface coarse(field, { -3.3, 5.1 }, Isosurface::defaultKeptBytes, depth);
   const Isosurface expected(makeField(unitRoots({ 1, 1, 1 }), std::move(means)), { -3.3, 5.1 });
   EXPECT_EQ(coarse.octantCount(), expected.octantCount());
@@ -711,6 +712,18 @@ TEST(Isosurface, WithoutDeepCellsIsThatOfTheirMeans)
   EXPECT_GT(found, 5000);
   const Isosurface all(field, { -3.3, 5.1 });
   EXPECT_GT(all.octantCount(), 2 * coarse.octantCount());
+  // Ghosts are not drawn as parts of means: nodes that have some are drawn cell by cell.
+  ListSource source({ 1, 1, 1 }, cells);
+  source.ghostsBelow = -63.5f;
+  auto built = buildOctree(unitRoots({ 1, 1, 1 }), source);
+  ASSERT_TRUE(built.octree->hasGhosts());
+  const auto withGhosts = std::make_shared<Field>(built.octree, built.values);
+  withGhosts->computeNodeRanges();
+  const Isosurface partly(withGhosts, { -3.3, 5.1 }, Isosurface::defaultKeptBytes, depth);
+  const Isosurface entirely(withGhosts, { -3.3, 5.1 });
+  EXPECT_GT(partly.octantCount(), coarse.octantCount());
+  EXPECT_LT(partly.octantCount(), entirely.octantCount());
+  EXPECT_LT(entirely.octantCount(), all.octantCount());
   EXPECT_EQ(Isosurface(field, { -3.3, 5.1 }, Isosurface::defaultKeptBytes, depth + 2).octantCount(),
     all.octantCount());
 }

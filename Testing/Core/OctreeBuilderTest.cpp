@@ -342,6 +342,20 @@ TEST(OctreeBuilder, SourcesAndListsMakeTheSameOctree)
     {
       EXPECT_EQ(withGhosts.octree->isGhost(leaf), withGhosts.values[leaf] < 0.f);
     }
+    const std::function<bool(NodeRef)> expectGhostsBelow = [&](NodeRef node) {
+      if (!node.isInner())
+      {
+        return node.isLeaf() && withGhosts.octree->isGhost(node.index());
+      }
+      bool found = false;
+      for (int octant = 0; octant < 8; ++octant)
+      {
+        found = expectGhostsBelow(withGhosts.octree->child(node, octant)) || found;
+      }
+      EXPECT_EQ(withGhosts.octree->hasGhostsBelow(node.index()), found && withGhosts.octree->hasGhosts());
+      return found;
+    };
+    expectGhostsBelow(withGhosts.octree->root());
   }
 }
 

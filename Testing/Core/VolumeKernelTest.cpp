@@ -6,6 +6,7 @@
 #include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/ListSource.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 
@@ -581,4 +582,38 @@ TEST(VolumeKernel, LevelOfDetailTakesLessAndKeepsTheFieldsMean)
   EXPECT_GT(sum / size, 0.03);
   EXPECT_LT(std::sqrt(squared / size), 0.01);
   EXPECT_GT(squared, 0.);
+}
+
+// Nodes without ghosts are drawn as in a tree that has none.
+TEST(VolumeKernel, OneGhostCostsNoMoreThanItsOwnNodes)
+{
+  std::vector<LeafCell> cells;
+  for (Coord i = 0; i < 64 * 64 * 64; ++i)
+  {
+    cells.push_back({ { { i % 64, i / 64 % 64, i / 4096 }, 5 }, 0.f });
+  }
+  setValues(cells, [](const auto& p) { return std::sin(3. * p[0] + p[1]) * std::cos(2. * p[2]); });
+  LeafCell& ghost = cells[(31 * 64 + 30) * 64 + 29];
+  ghost.value = -1.5f; // transparent, so that nothing is missing without it
+  const auto plain = makeField(unitRoots({ 2, 2, 2 }), cells);
+  ListSource source({ 2, 2, 2 }, cells);
+  source.ghostsBelow = -1.25f;
+  auto built = buildOctree(unitRoots({ 2, 2, 2 }), source);
+  ASSERT_TRUE(built.octree->hasGhosts());
+  auto field = std::make_shared<Field>(built.octree, built.values);
+  field->computeNodeRanges();
+  const Camera camera(views().front().clip, identityMatrix, width, height);
+  constexpr std::uint64_t ofItsNodes = 64; // levels and siblings
+  for (const double pixels : { 0., 2.5 })
+  {
+    VolumeSettings settings;
+    settings.levelOfDetailPixels = pixels;
+    Image expected(width, height);
+    Image image(width, height);
+    const auto without = renderVolume(*plain, smooth(), camera, {}, settings, expected);
+    const auto with = renderVolume(*field, smooth(), camera, {}, settings, image);
+    EXPECT_LE(with.nodes, without.nodes + ofItsNodes) << pixels;
+    EXPECT_LE(with.blocks, without.blocks + ofItsNodes) << pixels;
+    EXPECT_LT(largestDifference(image, expected), 0.02f) << pixels;
+  }
 }
