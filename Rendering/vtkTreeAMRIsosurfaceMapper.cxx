@@ -394,7 +394,7 @@ vtkTreeAMRIsosurfaceMapper::View& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
 }
 
 //------------------------------------------------------------------------------
-double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view, bool isNew)
+double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view)
 {
   if (view.Renderer->GetSelector())
   {
@@ -407,12 +407,6 @@ double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view, bool isNew)
   if (!view.IsInteractive)
   {
     return this->MinimumImageSampleDistance;
-  }
-  if (!isNew)
-  {
-    // A still camera has the full picture, but from the next frame on: several passes of one frame are one picture.
-    return view.PictureIsOfThisFrame ? view.SampleDistance
-                                     : std::min(view.SampleDistance, this->MinimumImageSampleDistance);
   }
   const double seconds =
     this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.Actor->GetAllocatedRenderTime();
@@ -443,12 +437,13 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
     view.Reduction.fullHeight() != view.Viewport.Height || view.ClipFromData != clipFromData ||
     view.ViewFromData != viewFromData || view.Layers != layers ||
     (layers == treeamr::SurfaceLayers::All && view.MostHits != mostHits);
-  const double distance = this->ChooseSampleDistance(view, isNew);
-  const bool isDraft = view.IsInteractive && this->AutoAdjustSampleDistances &&
-    (isNew || view.PictureIsOfThisFrame) && !view.Renderer->GetSelector();
-  const bool isCoarse = isDraft && this->LevelOfDetail > 0.;
-  if (!isNew && distance == view.SampleDistance &&
-    (isCoarse || view.Surface == this->Private->Surfaces.madeInFull()))
+  const bool isDraft = view.IsInteractive && this->AutoAdjustSampleDistances && !view.Renderer->GetSelector();
+  if (!isNew && isDraft)
+  {
+    return; // draft or not: a still camera loses nothing, and takes no time while something else moves
+  }
+  const double distance = this->ChooseSampleDistance(view);
+  if (!isNew && distance == view.SampleDistance && view.Surface == this->Private->Surfaces.madeInFull())
   {
     return;
   }
@@ -466,8 +461,9 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
   view.Reduction = treeamr::ImageReduction(view.Viewport.Width, view.Viewport.Height, distance);
   view.SampleDistance = distance;
   const treeamr::Camera camera(clipFromData, viewFromData, view.Reduction.width(), view.Reduction.height());
-  view.Surface = isCoarse ? this->Private->Surfaces.ofDetail(camera, this->LevelOfDetail)
-                          : this->Private->Surfaces.inFull();
+  view.Surface = isDraft && this->LevelOfDetail > 0.
+    ? this->Private->Surfaces.ofDetail(camera, this->LevelOfDetail)
+    : this->Private->Surfaces.inFull();
   const double start = vtkTimerLog::GetUniversalTime();
   view.Surface->startFrame();
   view.Surface->render(camera, layers, view.Hits, mostHits);

@@ -128,9 +128,9 @@ public:
   /// Drafts of interactive frames, by the settings and with the defaults of vtkTreeAMRVolumeMapper: when camera,
   /// actor or surfaces have changed, an interactive frame is traced with as few rays as fit InteractiveRenderTime
   /// or, when that is 0, the time that VTK allocates to the actor, and cells smaller than LevelOfDetail pixels of
-  /// that picture are drawn together by their means. Pixels have the depth of the surface's tangent plane. Where
-  /// nothing has moved since the last frame, interactive ones have the full picture, and keep it; hardware
-  /// selection always has one ray a pixel and every cell.
+  /// that picture are drawn together by their means. Pixels have the depth of the surface's tangent plane. While
+  /// nothing of it moves, interactive frames keep the picture there is; hardware selection always has one ray a
+  /// pixel and every cell.
   vtkSetMacro(AutoAdjustSampleDistances, bool);
   vtkGetMacro(AutoAdjustSampleDistances, bool);
   vtkBooleanMacro(AutoAdjustSampleDistances, bool);
@@ -203,7 +203,7 @@ private:
   std::shared_ptr<const Made> AcquireColors(
     treeamr::InputSlot<Made>& slot, vtkHyperTreeGrid* grid, const treeamr::ArraySelection& selection);
   treeamr::HitColors MapColors(View& view, vtkHyperTreeGrid* grid);
-  double ChooseSampleDistance(View& view, bool isNew);
+  double ChooseSampleDistance(View& view);
   void UpdateHits(View& view);
   bool ReadDepthToFlatten(const View& view, std::vector<float>& depth);
   void Shade(View& view, vtkHyperTreeGrid* grid);

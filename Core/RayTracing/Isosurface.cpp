@@ -179,14 +179,21 @@ struct Isosurface::Impl
   }
   ~Impl()
   {
-    // Releasing nothing is an error, which a later one would hide behind.
-    if (scene)
+    try
     {
-      rtcReleaseScene(scene);
+      // Releasing nothing is an error, which a later one would hide behind.
+      if (scene)
+      {
+        rtcReleaseScene(scene);
+      }
+      if (device)
+      {
+        rtcReleaseDevice(device);
+      }
     }
-    if (device)
+    catch (...)
     {
-      rtcReleaseDevice(device);
+      // A surface that static objects hold, as ParaView's do after sys.exit(), outlives Embree's own ones.
     }
   }
 

@@ -33,6 +33,14 @@ def tell_distance():
     with open({str(FOLDER / "distances")!r}, "a", encoding="utf-8") as file:
         print(mapper.GetLastImageSampleDistance(), file=file)
 """
+END = """
+import sys
+from paraview.simple import *
+
+Show(TreeAMRExample()).SetRepresentationType("Tree AMR Isosurface")
+Render()
+sys.exit(0)
+"""
 # Run by ParaView itself, so that nothing moves on meanwhile.
 MACROS = {
     "screenshot": f"""
@@ -101,6 +109,13 @@ def is_yellow_or_green(red, green, blue):
 
 
 class TestGui(unittest.TestCase):
+    @staticmethod
+    def run_paraview(*arguments):
+        return subprocess.run(
+            [PARAVIEW, "--dr", *arguments],
+            env=os.environ | {"HOME": str(FOLDER / "home"), "XDG_RUNTIME_DIR": str(FOLDER / "run")},
+            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
     @classmethod
     def setUpClass(cls):
         shutil.rmtree(FOLDER, ignore_errors=True)
@@ -108,13 +123,9 @@ class TestGui(unittest.TestCase):
         macros.mkdir(parents=True)
         for name, text in MACROS.items():
             (macros / f"{name}.py").write_text(text, encoding="utf-8")
-        run = FOLDER / "run"
-        run.mkdir(mode=0o700)
+        (FOLDER / "run").mkdir(mode=0o700)
         script = pathlib.Path(__file__).parent / "gui.xml"
-        cls.done = subprocess.run(
-            [PARAVIEW, "--dr", f"--test-directory={FOLDER}", f"--test-script={script}", "--exit"],
-            env=os.environ | {"HOME": str(FOLDER / "home"), "XDG_RUNTIME_DIR": str(run)},
-            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        cls.done = cls.run_paraview(f"--test-directory={FOLDER}", f"--test-script={script}", "--exit")
         print(cls.done.stdout, cls.done.stderr)
 
     def test_ends_without_an_error(self):
@@ -150,6 +161,13 @@ class TestGui(unittest.TestCase):
     def test_slider_is_followed_while_it_is_dragged(self):
         rendered, dragged = inside_view("rendered.png"), inside_view("dragged.png")
         self.assertGreater((rendered != dragged).any(axis=0).mean(), 0.2)
+
+    def test_scripts_may_end_the_program(self):
+        """What is shown then outlives the libraries that drew it."""
+        script = FOLDER / "ends.py"
+        script.write_text(END, encoding="utf-8")
+        done = self.run_paraview(f"--script={script}")
+        self.assertEqual(0, done.returncode, done.stderr)
 
 
 if __name__ == "__main__":
