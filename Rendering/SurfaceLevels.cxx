@@ -2,6 +2,8 @@
 
 #include "MapperInput.h"
 
+#include "RayTracing/CellDepth.h"
+
 namespace treeamr
 {
 

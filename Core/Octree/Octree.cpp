@@ -5,7 +5,8 @@ namespace treeamr
 
 std::size_t Octree::byteSize() const noexcept
 {
-  return table_.byteSize() + (firstInner_.capacity() + ghosts_.capacity() + ghostsBelow_.capacity()) * sizeof(std::uint64_t);
+  return table_.byteSize() +
+    (firstInner_.capacity() + ghosts_.capacity() + ghostsBelow_.capacity()) * sizeof(std::uint64_t);
 }
 
 } // namespace treeamr

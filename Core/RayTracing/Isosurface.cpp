@@ -723,57 +723,6 @@ void checkPixels(const HitImage& hits, const Camera& camera, const char* user)
   }
 }
 
-int cellDepthFor(const Octree& octree, const Camera& camera, double pixels)
-{
-  const int leaves = octree.leafLevels() - 1;
-  const Bounds bounds = octree.grid().bounds();
-  const Matrix4& m = camera.worldFromData();
-  const auto worldLength = [&m](const Vec3& v) {
-    Vec3 inWorld;
-    for (int r = 0; r < 3; ++r)
-    {
-      inWorld[r] = m[4 * r] * v[0] + m[4 * r + 1] * v[1] + m[4 * r + 2] * v[2];
-    }
-    return std::sqrt(dot(inWorld, inWorld));
-  };
-  double width = 0.; // of the widest root
-  for (int a = 0; a < 3; ++a)
-  {
-    for (int i = 0; i < octree.grid().roots()[a]; ++i)
-    {
-      Vec3 edge{};
-      edge[a] = octree.grid().worldPlane(a, i + 1, 0) - octree.grid().worldPlane(a, i, 0);
-      width = std::max(width, worldLength(edge));
-    }
-  }
-  double pixel = 0.; // where the domain is nearest
-  if (camera.isPerspective())
-  {
-    Vec3 toNearest;
-    for (int a = 0; a < 3; ++a)
-    {
-      toNearest[a] = std::clamp(camera.eye()[a], bounds.min[a], bounds.max[a]) - camera.eye()[a];
-    }
-    const PixelFan fan = camera.fan();
-    pixel = worldLength(toNearest) * std::min(worldLength(fan.perX), worldLength(fan.perY));
-  }
-  else
-  {
-    const Vec3 first = camera.ray(0, 0).origin;
-    const auto lengthOfStep = [&](int x, int y) {
-      const Vec3 next = camera.ray(x, y).origin;
-      return worldLength({ next[0] - first[0], next[1] - first[1], next[2] - first[2] });
-    };
-    pixel = std::min(lengthOfStep(1, 0), lengthOfStep(0, 1));
-  }
-  int depth = 0;
-  while (depth < leaves && !(std::ldexp(width, -depth) <= pixels * pixel))
-  {
-    ++depth;
-  }
-  return depth;
-}
-
 Isosurface::Isosurface(
   std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes, int mostCellDepth)
 {

@@ -54,10 +54,6 @@ struct IsosurfaceStatistics
   double hierarchySeconds = 0.;
 };
 
-/// The least depth of cells that are at most so many pixels wide wherever the camera sees them (a root's is 0), up to that
-/// of the deepest leaves.
-int cellDepthFor(const Octree& octree, const Camera& camera, double pixels);
-
 class Isosurface
 {
 public:
@@ -67,8 +63,8 @@ public:
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
   /// them. Vertex values are computed where rays come and kept within keptBytes. The field needs its node
   /// ranges. Cells deeper than mostCellDepth (at least 1; a root's is 0) are drawn together by their means, as
-  /// level of detail, but for those that would be together with ghosts. Throws Error without a field or isovalues, for one that is not
-  /// finite, or when Embree fails.
+  /// level of detail (see cellDepthFor()), but for those that would be together with ghosts. Throws Error
+  /// without a field or isovalues, for one that is not finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
     std::size_t keptBytes = defaultKeptBytes, int mostCellDepth = allCellDepths);
   ~Isosurface();

@@ -1,4 +1,5 @@
 #include "RayTracing/Isosurface.h"
+#include "RayTracing/CellDepth.h"
 #include "RayTracing/CubicRoot.h"
 #include "Support/BruteForceGTI.h"
 #include "Support/Cameras.h"
