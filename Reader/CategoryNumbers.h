@@ -5,7 +5,7 @@
 
 #include "HyperTreeGridSource.h"
 
-#include "RayTracing/TransferFunction.h"
+#include "Field/TransferFunction.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 

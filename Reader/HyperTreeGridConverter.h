@@ -9,7 +9,7 @@
 #include "vtkTreeAMRReaderModule.h" // for the export macro
 
 #include "Error.h"
-#include "Octree/Field.h"
+#include "Field/Field.h"
 
 #include "vtkSmartPointer.h"
 #include "vtkType.h"

@@ -9,7 +9,7 @@
 #include "Contour/Contour.h"
 #include "Error.h"
 #include "Interpolation/Sampler.h"
-#include "RayTracing/SurfaceFrame.h"
+#include "Surface/SurfaceFrame.h"
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

@@ -71,7 +71,7 @@ class SelfTest(unittest.TestCase):
     def test_allowed(self):
         self.assertEqual([], self.check({
             "Core/Octree/Octree.h": ["<vector>"],
-            "Core/RayTracing/Isosurface.cpp": ["<embree3/rtcore.h>", '"Octree/Octree.h"'],
+            "Core/Surface/Isosurface.cpp": ["<embree3/rtcore.h>", '"Octree/Octree.h"'],
             "Reader/Converter.h": ['"Octree/Octree.h"', '"vtkHyperTreeGrid.h"'],
             "Rendering/vtkMapper.cxx": ['"Converter.h"', '"vtkVolumeMapper.h"'],
             "Plugin/Representations/vtkRepresentation.cxx": ['"vtkPVRenderView.h"', '"Converter.h"'],

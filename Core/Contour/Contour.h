@@ -3,7 +3,7 @@
 // Where Isosurface.h answers rays, this is for export, measurement and other filters.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
 
 #include <array>
 #include <cstdint>

@@ -5,7 +5,7 @@
 // neighbours it in the same leaves are octants of half its size or other dual cells.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
 #include "Octree/TreePath.h"
 
 #include <array>

@@ -2,7 +2,7 @@
 // instruction set, with the same bits on all; the best is chosen when the program runs.
 #pragma once
 
-#include "Octree/RangeCode.h"
+#include "Field/RangeCode.h"
 
 #include <array>
 #include <cstdint>

@@ -4,8 +4,8 @@
 // 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node.
 #pragma once
 
+#include "Field/Field.h"
 #include "Interpolation/BlockLattice.h"
-#include "Octree/Field.h"
 #include "Octree/TreePath.h"
 
 #include <array>

@@ -8,7 +8,7 @@
 // A corner of a dual cell without a cell takes no part: the others' weights are renormalised.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
 
 #include <array>
 #include <memory>

@@ -4,7 +4,7 @@
 // field inside one of its octants is the trilinear interpolant of eight of them.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
 #include "Octree/TreePath.h"
 
 #include <array>

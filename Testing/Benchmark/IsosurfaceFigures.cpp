@@ -1,8 +1,8 @@
 #include "IsosurfaceFigures.h"
 
 #include "PaperPrimitives.h"
-#include "RayTracing/SurfaceBlocks.h"
 #include "Scene.h"
+#include "Surface/SurfaceBlocks.h"
 
 namespace treeamr::bench
 {
@@ -39,7 +39,8 @@ IsosurfaceCosts measureIsosurface(
   std::unique_ptr<Isosurface> surface;
   HitImage hits;
   const std::vector<double> isovalues{ isovalue };
-  costs.extraction = best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes, Isosurface::allCellDepths); });
+  costs.extraction =
+    best([&] { SurfaceBlocks(field, isovalues, Isosurface::defaultKeptBytes, Isosurface::allCellDepths); });
   costs.construction =
     best([&] { surface.reset(); }, [&] { surface = std::make_unique<Isosurface>(field, isovalues); });
   const auto render = [&] {

@@ -1,11 +1,11 @@
 // Time and memory of an isosurface: the ray tracer's, and the paper's extraction beside it.
 #pragma once
 
+#include "Field/Field.h"
+#include "Geometry/Camera.h"
 #include "Meter.h"
-#include "Octree/Field.h"
-#include "RayTracing/Camera.h"
-#include "RayTracing/Isosurface.h"
 #include "Report.h"
+#include "Surface/Isosurface.h"
 
 #include <memory>
 

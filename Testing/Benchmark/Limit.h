@@ -2,7 +2,7 @@
 // in the innermost cache.
 #pragma once
 
-#include "RayTracing/VolumeRenderer.h"
+#include "Volume/VolumeRenderer.h"
 
 namespace treeamr::bench
 {

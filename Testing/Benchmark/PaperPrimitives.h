@@ -7,7 +7,7 @@
 // that reach into it: so Filtered takes a dual cell where a cell is met whose octant of it is active.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "ReferenceImage.h"
 
 #include "Error.h"
-#include "RayTracing/VolumeReference.h"
+#include "Volume/VolumeReference.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The converged picture of a scene, which takes minutes: kept in a file.
 #pragma once
 
-#include "RayTracing/Image.h"
+#include "Geometry/Image.h"
 #include "Scene.h"
 
 #include <string>

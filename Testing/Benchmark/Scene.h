@@ -2,10 +2,10 @@
 #pragma once
 
 #include "ContentDigest.h"
-#include "Octree/Field.h"
+#include "Field/Field.h"
+#include "Field/TransferFunction.h"
+#include "Geometry/Camera.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/Camera.h"
-#include "RayTracing/TransferFunction.h"
 
 #include <array>
 #include <memory>

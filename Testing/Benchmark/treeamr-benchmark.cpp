@@ -16,15 +16,15 @@
 //
 // --only procedural-200M: about 200M cells that are on no disk, whether they fit memory.
 #include "Error.h"
+#include "Interpolation/BlockCache.h"
 #include "IsosurfaceFigures.h"
 #include "Limit.h"
 #include "Meter.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeReference.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "ReferenceImage.h"
 #include "Report.h"
 #include "Scene.h"
+#include "Volume/VolumeReference.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <oneapi/tbb/global_control.h>
 
@@ -165,9 +165,9 @@ Measurement measureVolume(const Options& options, const Scene& scene)
 
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
-  std::unique_ptr<VertexCache> kept;
+  std::unique_ptr<BlockCache> kept;
   const auto forget = [&] {
-    kept = std::make_unique<VertexCache>(field->octree(), VolumeSettings::defaultKeptBytes);
+    kept = std::make_unique<BlockCache>(field->octree(), VolumeSettings::defaultKeptBytes);
   };
   VolumeStatistics statistics;
   const auto frame = [&] {
@@ -221,7 +221,7 @@ void runHuge(const Options& options)
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
   const TransferFunction transferFunction = makeScenes().back().transferFunction;
-  VertexCache kept(field->octree(), VolumeSettings::defaultKeptBytes);
+  BlockCache kept(field->octree(), VolumeSettings::defaultKeptBytes);
   const auto frame = [&] {
     renderVolume(*field, transferFunction, camera, {}, options.settings, kept, image);
   };

@@ -3,12 +3,12 @@
 // order, and on all.
 #include "Contour/Contour.h"
 #include "Error.h"
-#include "RayTracing/SecondaryRays.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeRenderer.h"
+#include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
+#include "Surface/SecondaryRays.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <dlfcn.h>
 #include <embree3/rtcore.h>
@@ -384,7 +384,7 @@ TEST_F(AllocationFailureTest, volume)
   surface.render(camera_, SurfaceLayers::All, hits);
   const std::vector<std::array<float, 4>> rgba(hits.hits.size(), { 0.1f, 0.7f, 0.2f, 0.3f });
   const TranslucentHits surfaces{ hits, rgba };
-  const auto draw = [&](VertexCache& kept, double levelOfDetail) {
+  const auto draw = [&](BlockCache& kept, double levelOfDetail) {
     VolumeSettings settings;
     settings.levelOfDetailPixels = levelOfDetail;
     Image image(camera_.width(), camera_.height());
@@ -392,11 +392,11 @@ TEST_F(AllocationFailureTest, volume)
     return Result(image.rgba.begin(), image.rgba.end());
   };
   expectRecovery([&] {
-    VertexCache kept(field_->octree(), VolumeSettings::defaultKeptBytes);
+    BlockCache kept(field_->octree(), VolumeSettings::defaultKeptBytes);
     return draw(kept, 0.);
   });
   // A cache from frame to frame, as a mapper has it.
-  VertexCache kept(field_->octree(), VolumeSettings::defaultKeptBytes);
+  BlockCache kept(field_->octree(), VolumeSettings::defaultKeptBytes);
   expectRecovery([&] { return draw(kept, 4.); });
 }
 

@@ -1,14 +1,14 @@
 // Arguments that do not belong together, or to nothing: each throws Error before anything is allocated for it or read.
 #include "Contour/Contour.h"
 #include "Error.h"
+#include "Interpolation/BlockCache.h"
 #include "Interpolation/Sampler.h"
-#include "RayTracing/OcclusionFilter.h"
-#include "RayTracing/SecondaryRays.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Support/AllocationCounter.h"
 #include "Support/Cameras.h"
 #include "Support/ExactScene.h"
+#include "Surface/OcclusionFilter.h"
+#include "Surface/SecondaryRays.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 
@@ -84,7 +84,7 @@ TEST(Arguments, ACacheServesOneField)
   const auto field = wavesIn(octree, 0.f);
   const Camera camera = smallCamera();
   Image image(16, 16);
-  VertexCache kept(*octree, VolumeSettings::defaultKeptBytes);
+  BlockCache kept(*octree, VolumeSettings::defaultKeptBytes);
   renderVolume(*field, fog, camera, {}, {}, kept, image);
   const std::vector<float> right(image.rgba.begin(), image.rgba.end());
   const Field copy(*field);
@@ -97,7 +97,7 @@ TEST(Arguments, ACacheServesOneField)
     EXPECT_THROW(renderVolume(*other, fog, camera, {}, {}, kept, image), Error);
     EXPECT_THROW(renderPixelGroups(*other, fog, camera, {}, {}, kept, { &group, 1 }, rgba), Error);
   }
-  VertexCache unused(*randomOctree(2), VolumeSettings::defaultKeptBytes);
+  BlockCache unused(*randomOctree(2), VolumeSettings::defaultKeptBytes);
   EXPECT_THROW(renderVolume(*field, fog, camera, {}, {}, unused, image), Error);
   renderVolume(*field, fog, camera, {}, {}, kept, image);
   EXPECT_TRUE(std::equal(right.begin(), right.end(), image.rgba.begin()));

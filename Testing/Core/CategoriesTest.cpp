@@ -1,14 +1,14 @@
 // Volumes of categories: each ray against the boxes of all leaves, composited exactly.
 #include "Error.h"
+#include "Interpolation/BlockCache.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/ErrorEstimate.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeReference.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
+#include "Volume/ErrorEstimate.h"
+#include "Volume/VolumeReference.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 
@@ -263,7 +263,7 @@ TEST(Categories, SettingsOfTheReconstructionChangeNoBit)
   const TransferFunction transferFunction = TransferFunction::ofCategories(entries(9, 3.f));
   for (const Camera& camera : cameras())
   {
-    VertexCache kept(field->octree(), VolumeSettings::defaultKeptBytes);
+    BlockCache kept(field->octree(), VolumeSettings::defaultKeptBytes);
     const std::size_t before = kept.byteSize();
     Image image(width, height);
     const VolumeStatistics skipped = renderVolume(*field, transferFunction, camera, {}, {}, kept, image);

@@ -1,12 +1,12 @@
 // The estimate of a frame's error against the true one, from the scalar reference with many samples.
-#include "RayTracing/ErrorEstimate.h"
+#include "Volume/ErrorEstimate.h"
 
 #include "Error.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeReference.h"
+#include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
+#include "Volume/VolumeReference.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -83,7 +83,7 @@ struct Frame
   VolumeSettings settings;
   DepthInterval interval{};
   const TranslucentHits* surfaces = nullptr;
-  VertexCache kept{ field.octree(), VolumeSettings::defaultKeptBytes };
+  BlockCache kept{ field.octree(), VolumeSettings::defaultKeptBytes };
 
   Image render()
   {
@@ -225,7 +225,7 @@ TEST(ErrorEstimate, IsZeroWhereNothingIsDrawn)
   auto estimator = frame.estimator(frame.render());
   EXPECT_EQ(estimator.error(), 0.);
   EXPECT_EQ(estimator.findSamplesPerCell(1e-3, 0.25, 64.), 0.25);
-  EXPECT_EQ(frame.kept.byteSize(), VertexCache(field->octree(), VolumeSettings::defaultKeptBytes).byteSize());
+  EXPECT_EQ(frame.kept.byteSize(), BlockCache(field->octree(), VolumeSettings::defaultKeptBytes).byteSize());
 }
 
 TEST(ErrorEstimate, AFrameOfAnotherSizeIsAnError)
@@ -244,7 +244,7 @@ TEST(ErrorEstimate, OnePixelIsEstimated)
   const TransferFunction haze = transferFunctions()[0];
   const Camera camera(
     multiply(perspective(5., 0.1, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 1, 1);
-  VertexCache kept(field->octree(), 0);
+  BlockCache kept(field->octree(), 0);
   Image image(1, 1);
   const DepthInterval interval;
   VolumeSettings settings;

@@ -1,6 +1,4 @@
-#include "RayTracing/Isosurface.h"
-#include "RayTracing/CellDepth.h"
-#include "RayTracing/CubicRoot.h"
+#include "Surface/Isosurface.h"
 #include "Support/BruteForceGTI.h"
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
@@ -8,6 +6,8 @@
 #include "Support/ListSource.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
+#include "Surface/CellDepth.h"
+#include "Surface/CubicRoot.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Large arrays lie on large pages, small ones take no more than they need, and what cannot be had throws.
 #include "LargeArray.h"
-#include "Octree/Field.h"
+#include "ChunkPool.h"
+#include "Field/Field.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/ChunkPool.h"
 #include "Support/AllocationCounter.h"
 #include "Support/ProceduralTree.h"
 

@@ -1,7 +1,7 @@
 // Ranges in two bytes: around the exact range whatever the values, and the tightest there is.
+#include "Field/Field.h"
+#include "Field/RangeCode.h"
 #include "Interpolation/VertexValues.h"
-#include "Octree/Field.h"
-#include "Octree/RangeCode.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>

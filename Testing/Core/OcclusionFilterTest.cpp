@@ -1,10 +1,10 @@
 // The filter of ambient occlusion on planes whose hits are known: who shares rays with whom.
-#include "RayTracing/OcclusionFilter.h"
+#include "Surface/OcclusionFilter.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/SecondaryRays.h"
-#include "RayTracing/SurfaceFrame.h"
 #include "Support/Cameras.h"
 #include "Support/RandomTrees.h"
+#include "Surface/SecondaryRays.h"
+#include "Surface/SurfaceFrame.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>

@@ -1,7 +1,7 @@
 // Building from lists in any order and from sources, in parallel, by brute force and against each other.
 #include "Octree/OctreeBuilder.h"
 #include "Error.h"
-#include "Octree/Field.h"
+#include "Field/Field.h"
 #include "Octree/MortonKey.h"
 #include "Octree/RadixSort.h"
 #include "Support/ListSource.h"

@@ -1,5 +1,5 @@
 // Bytes per cell: what is kept, and what a build holds at most. Counts everything this program allocates.
-#include "Octree/Field.h"
+#include "Field/Field.h"
 #include "Octree/OctreeBuilder.h"
 #include "Support/AllocationCounter.h"
 #include "Support/ProceduralTree.h"

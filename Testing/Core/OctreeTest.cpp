@@ -1,5 +1,5 @@
 #include "Error.h"
-#include "Octree/Field.h"
+#include "Field/Field.h"
 #include "Octree/OctreeBuilder.h"
 #include "Octree/TreePath.h"
 #include "Support/RandomTrees.h"

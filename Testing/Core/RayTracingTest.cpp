@@ -1,10 +1,10 @@
 #include "Error.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/Shading.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
+#include "Surface/Shading.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 

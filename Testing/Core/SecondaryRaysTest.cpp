@@ -1,9 +1,9 @@
 // Ambient occlusion and shadows between parallel planes, where both are known.
-#include "RayTracing/SecondaryRays.h"
+#include "Surface/SecondaryRays.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/SurfaceFrame.h"
 #include "Support/Cameras.h"
 #include "Support/RandomTrees.h"
+#include "Surface/SurfaceFrame.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Stiff transfer functions: what is thinner than a step, steeper than a ramp, all but transparent or opaque at once.
 // Each case records what it measured.
-#include "RayTracing/VolumeReference.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
 #include "Support/Measured.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
+#include "Volume/VolumeReference.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 

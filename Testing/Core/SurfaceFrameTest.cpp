@@ -1,4 +1,4 @@
-#include "RayTracing/SurfaceFrame.h"
+#include "Surface/SurfaceFrame.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // The vectorised volume renderer on every instruction set of this machine, against the scalar reference.
 #include "Error.h"
+#include "Interpolation/BlockCache.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeReference.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/ListSource.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
+#include "Volume/VolumeReference.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 
@@ -248,7 +248,7 @@ namespace
 /// Of the table of nodes, and of one chunk of blocks more.
 std::size_t smallestBudget(const Octree& octree)
 {
-  return octree.innerCount() * 4 + 256 * VertexCache::blockBytes;
+  return octree.innerCount() * 4 + 256 * BlockCache::blockBytes;
 }
 
 } // namespace
@@ -307,7 +307,7 @@ void expectGroupsOf(const Image& image, const Field& field, const TransferFuncti
       }
     }
   }
-  VertexCache none(field.octree(), 0);
+  BlockCache none(field.octree(), 0);
   std::vector<float> rgba(groups.size() * PixelGroup::rgbaSize, -1.f);
   renderPixelGroups(field, transferFunction, camera, interval, settings, none, groups, rgba, surfaces);
   int beyond = 0;
@@ -367,7 +367,7 @@ TEST(VolumeKernel, GroupsOutsideTheImageAreAnError)
 {
   const auto field = randomField({ 12, { 2, 2, 2 }, 2, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
-  VertexCache none(field->octree(), 0);
+  BlockCache none(field->octree(), 0);
   const auto render = [&](const PixelGroup& group, std::size_t floats) {
     std::vector<float> rgba(floats);
     renderPixelGroups(*field, smooth(), camera, {}, {}, none, { &group, 1 }, rgba);
@@ -385,9 +385,9 @@ TEST(VolumeKernel, KeptValuesNeverChangeABit)
   const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
   const Octree& octree = field->octree();
-  VertexCache none(octree, 0);
-  VertexCache one(octree, smallestBudget(octree));
-  VertexCache all(octree, VolumeSettings::defaultKeptBytes);
+  BlockCache none(octree, 0);
+  BlockCache one(octree, smallestBudget(octree));
+  BlockCache all(octree, VolumeSettings::defaultKeptBytes);
   Image images[]{ { width, height }, { width, height }, { width, height }, { width, height } };
   const auto computed = renderVolume(*field, smooth(), camera, {}, {}, none, images[0]).blocks;
   renderVolume(*field, smooth(), camera, {}, {}, one, images[1]);
@@ -404,7 +404,7 @@ TEST(VolumeKernel, KeptValuesNeverChangeABit)
   EXPECT_GT(second.kept, 100u);
   EXPECT_EQ(none.byteSize(), 0u);
   EXPECT_LE(one.byteSize(), smallestBudget(octree) + 1024);
-  EXPECT_GE(all.byteSize(), first * VertexCache::blockBytes);
+  EXPECT_GE(all.byteSize(), first * BlockCache::blockBytes);
 }
 
 TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
@@ -412,7 +412,7 @@ TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
   const auto field = randomField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
   const Octree& octree = field->octree();
   ASSERT_GT(octree.innerCount(), 400u);
-  VertexCache kept(octree, smallestBudget(octree));
+  BlockCache kept(octree, smallestBudget(octree));
   const std::size_t before = kept.byteSize();
   // Each view twice: what was kept for one gives way to the next.
   for (const View& view : views())
@@ -425,7 +425,7 @@ TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
       renderVolume(*field, smooth(), camera, {}, {}, kept, image);
       renderVolume(*field, smooth(), camera, {}, {}, expected);
       EXPECT_EQ(image.rgba, expected.rgba) << view.name;
-      EXPECT_LE(kept.byteSize(), before + 256 * VertexCache::blockBytes);
+      EXPECT_LE(kept.byteSize(), before + 256 * BlockCache::blockBytes);
     }
   }
 }

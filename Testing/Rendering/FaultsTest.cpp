@@ -12,8 +12,8 @@
 //                                                    every frame about a visible volume without input
 #include "PlaneSurface.h"
 
-#include "RayTracing/SecondaryRays.h"
-#include "RayTracing/VolumeRenderer.h"
+#include "Surface/SecondaryRays.h"
+#include "Volume/VolumeRenderer.h"
 
 #include "HyperTreeGridConverter.h"
 

@@ -1,11 +1,11 @@
 #include "EstimateError.h"
 
+#include "Interpolation/BlockCache.h"
 #include "Meter.h"
-#include "RayTracing/ErrorEstimate.h"
-#include "RayTracing/VertexCache.h"
 #include "ReferenceImage.h"
 #include "Scene.h"
 #include "Support/Cameras.h"
+#include "Volume/ErrorEstimate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +66,7 @@ public:
   {
     bench::Forest forest = bench::readForest(options.folder + "/" + scene.name + ".p8est");
     field_ = bench::buildField(forest.roots, std::move(forest.cells));
-    kept_ = std::make_unique<VertexCache>(field_->octree(), VolumeSettings::defaultKeptBytes);
+    kept_ = std::make_unique<BlockCache>(field_->octree(), VolumeSettings::defaultKeptBytes);
     std::mt19937 random(5);
     const int count = options.brief ? 4 : 20;
     const int pixels = options.brief ? 200 : 256;
@@ -181,7 +181,7 @@ private:
   const Camera large_;
   const DepthInterval interval_;
   std::shared_ptr<Field> field_;
-  std::unique_ptr<VertexCache> kept_;
+  std::unique_ptr<BlockCache> kept_;
   std::vector<View> views_;
   double floor_; // median true error with the most samples: no estimate sees it
 };

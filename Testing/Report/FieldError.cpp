@@ -4,9 +4,9 @@
 #include "Interpolation/Sampler.h"
 #include "Meter.h"
 #include "Octree/TreePath.h"
-#include "RayTracing/SurfaceFrame.h"
 #include "RefinedTrees.h"
 #include "Support/Cameras.h"
+#include "Surface/SurfaceFrame.h"
 
 #include <algorithm>
 #include <array>

@@ -3,11 +3,11 @@
 #include "Contour/Contour.h"
 #include "Convergence.h"
 #include "Meter.h"
-#include "RayTracing/Isosurface.h"
-#include "RayTracing/SurfaceFrame.h"
 #include "RefinedTrees.h"
 #include "Scene.h"
 #include "Support/Cameras.h"
+#include "Surface/Isosurface.h"
+#include "Surface/SurfaceFrame.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What pictures are compared by, and how small ones are magnified.
 #pragma once
 
-#include "RayTracing/Image.h"
+#include "Geometry/Image.h"
 
 namespace treeamr::report
 {

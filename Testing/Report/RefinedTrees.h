@@ -2,9 +2,9 @@
 // filled with fields that are known everywhere: what orders of convergence are measured on.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
+#include "Geometry/Camera.h"
 #include "Octree/OctreeBuilder.h"
-#include "RayTracing/Camera.h"
 
 #include <functional>
 #include <memory>

@@ -1,13 +1,13 @@
 #include "VolumeError.h"
 
+#include "Geometry/RayBox.h"
+#include "Interpolation/BlockCache.h"
 #include "Interpolation/Sampler.h"
 #include "Meter.h"
 #include "Picture.h"
-#include "RayTracing/RayBox.h"
-#include "RayTracing/VertexCache.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "ReferenceImage.h"
 #include "Scene.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -165,10 +165,10 @@ private:
     const Camera camera =
       bench::makeCamera(static_cast<int>(std::ceil(pixels / setting.imageSampleDistance)));
     Image image(camera.width(), camera.height());
-    std::unique_ptr<VertexCache> kept;
+    std::unique_ptr<BlockCache> kept;
     Frame frame{};
     const auto forget = [&] {
-      kept = std::make_unique<VertexCache>(data_.field->octree(), setting.keptBytes);
+      kept = std::make_unique<BlockCache>(data_.field->octree(), setting.keptBytes);
     };
     const auto render = [&] {
       frame.statistics =

@@ -3,9 +3,9 @@
 // treeamr-frame nothing|volume|isosurface
 //
 // All three build the tree and its field; the last two render.
-#include "RayTracing/Isosurface.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Scene.h"
+#include "Surface/Isosurface.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <oneapi/tbb/global_control.h>
 

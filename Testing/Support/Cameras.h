@@ -1,7 +1,7 @@
 // Matrices of cameras, for tests without VTK.
 #pragma once
 
-#include "RayTracing/Camera.h"
+#include "Geometry/Camera.h"
 
 #include <cmath>
 #include <numbers>

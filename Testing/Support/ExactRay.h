@@ -2,8 +2,8 @@
 // surfaces and colours that renderers are tested against.
 #pragma once
 
-#include "RayTracing/Camera.h"
-#include "RayTracing/TransferFunction.h"
+#include "Field/TransferFunction.h"
+#include "Geometry/Camera.h"
 #include "Support/BruteForceGTI.h"
 
 #include <array>

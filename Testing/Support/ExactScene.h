@@ -1,13 +1,13 @@
 // A tree whose pictures are compared with the exact answer along each ray.
 #pragma once
 
-#include "RayTracing/Isosurface.h"
-#include "RayTracing/VolumeRenderer.h"
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
+#include "Surface/Isosurface.h"
+#include "Volume/VolumeRenderer.h"
 
 #include <algorithm>
 #include <cmath>

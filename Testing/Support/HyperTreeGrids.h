@@ -2,7 +2,7 @@
 // by the converted octree.
 #pragma once
 
-#include "Octree/Field.h"
+#include "Field/Field.h"
 
 #include "vtkSmartPointer.h"
 #include "vtkType.h"

@@ -1,0 +1,173 @@
+#include "Field/Field.h"
+
+#include "Error.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace treeamr
+{
+
+Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values)
+  : octree_(std::move(octree))
+  , values_(std::move(values))
+{
+  if (!octree_)
+  {
+    throw Error("field: no octree, needed is the one whose leaves have the " +
+      std::to_string(values_.size()) + " values");
+  }
+  if (values_.size() != octree_->leafCount())
+  {
+    throw Error("field: " + std::to_string(values_.size()) + " values for " +
+      std::to_string(octree_->leafCount()) + " leaves");
+  }
+  checkAndMeasureValues();
+  computeMeans();
+}
+
+void Field::checkAndMeasureValues()
+{
+  struct Found
+  {
+    Range range{ std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest() };
+    std::size_t notFinite = ~std::size_t(0);
+  };
+  const Found found = tbb::parallel_reduce(
+    tbb::blocked_range<std::size_t>(0, values_.size(), 65536), Found(),
+    [&](const auto& part, Found f) {
+      for (std::size_t i = part.begin(); i < part.end(); ++i)
+      {
+        const float v = values_[i];
+        if (!std::isfinite(v))
+        {
+          f.notFinite = std::min(f.notFinite, i);
+        }
+        f.range = { std::min(f.range.min, v), std::max(f.range.max, v) };
+      }
+      return f;
+    },
+    [](const Found& a, const Found& b) {
+      return Found{ { std::min(a.range.min, b.range.min), std::max(a.range.max, b.range.max) },
+        std::min(a.notFinite, b.notFinite) };
+    });
+  if (found.notFinite < values_.size())
+  {
+    throw Error("field: the value of leaf " + std::to_string(found.notFinite) + " is not finite");
+  }
+  if (!values_.empty())
+  {
+    range_ = found.range;
+  }
+}
+
+/// From the deepest nodes upwards. The volumes are the covered parts of nodes, 1 = all, which differ between
+/// siblings where cells are missing; they are kept for two depths, and not at all while nothing is missing.
+void Field::computeMeans()
+{
+  const Octree& octree = *octree_;
+  means_.resize(octree.innerCount());
+  meanBase_ = range_.min > 0.f && range_.max < 2.f * range_.min ? range_.min
+    : range_.max < 0.f && range_.min > 2.f * range_.max         ? range_.max
+                                                                : 0.;
+  LargeVector<double> volumes;
+  LargeVector<double> volumesBelow;
+  for (int depth = octree.innerDepths(); depth-- > 0;)
+  {
+    const std::uint64_t first = octree.firstInner(depth);
+    const std::uint64_t end = octree.firstInner(depth + 1);
+    const tbb::blocked_range<std::uint64_t> ofDepth(first, end, 4096);
+    const bool whole = volumesBelow.empty() &&
+      tbb::parallel_reduce(
+        ofDepth, true,
+        [&](const auto& nodes, bool all) {
+          for (std::uint64_t n = nodes.begin(); all && n < nodes.end(); ++n)
+          {
+            all = octree.children(n).exists == 0xff;
+          }
+          return all;
+        },
+        std::logical_and<>());
+    volumes.resize(whole ? 0 : end - first);
+    tbb::parallel_for(ofDepth, [&](const auto& nodes) {
+      for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
+      {
+        const Children children = octree.children(n);
+        const unsigned leafCount = children.leafCount();
+        double sum = 0.;
+        double covered = leafCount;
+        for (unsigned i = 0; i < leafCount; ++i)
+        {
+          sum += values_[children.firstLeaf + i] - meanBase_;
+        }
+        for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
+        {
+          const double volume = volumesBelow.empty() ? 1. : volumesBelow[c - end];
+          sum += volume * means_[c];
+          covered += volume;
+        }
+        means_[n] = static_cast<float>(sum / covered);
+        if (!whole)
+        {
+          volumes[n - first] = covered / 8.;
+        }
+      }
+    });
+    std::swap(volumes, volumesBelow);
+  }
+}
+
+void Field::encodeNodeRanges(LargeVector<Range> exact)
+{
+  const Octree& octree = *octree_;
+  rangeCodes_.resize(octree.innerCount());
+  if (octree.innerCount() == 0)
+  {
+    return;
+  }
+  // Down the depths: a node's exact range makes way for its decoded one once it is encoded.
+  const auto encode = [&](std::uint64_t node, Range parent) {
+    rangeCodes_[node] = RangeCode(exact[node], parent);
+    exact[node] = rangeCodes_[node].decode(parent);
+  };
+  encode(0, range_);
+  for (int depth = 0; depth < octree.innerDepths(); ++depth)
+  {
+    tbb::parallel_for(
+      tbb::blocked_range<std::uint64_t>(octree.firstInner(depth), octree.firstInner(depth + 1), 4096),
+      [&](const auto& nodes) {
+        for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
+        {
+          const Children children = octree.children(n);
+          for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
+          {
+            encode(c, exact[n]);
+          }
+        }
+      });
+  }
+}
+
+std::size_t Field::byteSize() const noexcept
+{
+  return (values_.capacity() + means_.capacity()) * sizeof(float) +
+    rangeCodes_.capacity() * sizeof(RangeCode);
+}
+
+const Field& required(const std::shared_ptr<const Field>& field, const char* user)
+{
+  if (!field)
+  {
+    throw Error(std::string(user) + ": no field (a null pointer)");
+  }
+  return *field;
+}
+
+} // namespace treeamr

@@ -1,0 +1,107 @@
+// Implicit isosurface ray tracing (the paper's section 6.2): no triangles, a hit is a root of the cubic that
+// the reconstructed field is along a ray in an octant.
+#pragma once
+
+#include "Field/Field.h"
+#include "Geometry/Camera.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace treeamr
+{
+
+struct SurfaceHit
+{
+  double t;
+  Vec3 gradient; // of the field, d value / d data coordinate
+  /// To shade by, in data coordinates: unit length, to the second order the normal of the surface that the
+  /// field approximates, less than a right angle from the gradient; 0 where that is.
+  std::array<float, 3> normal;
+  std::uint32_t surface; // which of Isosurface::isovalues()
+  std::uint32_t block;   // where Isosurface::cell() finds the cell
+  std::uint8_t octant;
+};
+
+/// Hits of each pixel's ray, nearest first: those of pixel p = x + width * y, lower left first, are
+/// hits[first[p]] up to hits[first[p + 1]].
+struct HitImage
+{
+  LargeVector<std::size_t> first;
+  LargeVector<SurfaceHit> hits;
+};
+
+/// Throws Error, on behalf of `user`, when the hits are not those of a picture of the camera's size.
+void checkPixels(const HitImage& hits, const Camera& camera, const char* user);
+
+enum class SurfaceLayers
+{
+  Nearest, // one hit per pixel at most
+  All
+};
+
+struct IsosurfaceStatistics
+{
+  std::size_t blocks = 0; // inner nodes that a surface may pass through
+  std::size_t blockBytes = 0;
+  std::size_t hierarchyBytes = 0; // Embree's
+  std::size_t keptBytes = 0;      // of vertex values
+  double extractionSeconds = 0.;  // of wall time
+  double hierarchySeconds = 0.;
+};
+
+class Isosurface
+{
+public:
+  static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
+  static constexpr int allCellDepths = Octree::maxDepth;
+
+  /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
+  /// them. Vertex values are computed where rays come and kept within keptBytes. The field needs its node
+  /// ranges. Cells deeper than mostCellDepth (at least 1; a root's is 0) are drawn together by their means, as
+  /// level of detail (see cellDepthFor()), but for those that would be together with ghosts. Throws Error
+  /// without a field or isovalues, for one that is not finite, or when Embree fails.
+  Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
+    std::size_t keptBytes = defaultKeptBytes, int mostCellDepth = allCellDepths);
+  ~Isosurface();
+  Isosurface(const Isosurface&) = delete;
+  Isosurface& operator=(const Isosurface&) = delete;
+
+  /// Ascending, each once.
+  const std::vector<double>& isovalues() const noexcept;
+  IsosurfaceStatistics statistics() const;
+  /// Octants that a surface passes through. The first call takes a while: it looks at all of them. As
+  /// startFrame(), while no thread queries.
+  std::uint64_t octantCount() const;
+
+  /// Call before a frame, while no thread queries: gives values of earlier views up where the budget is
+  /// short, and draws the hierarchy tighter around the surfaces as rays have come to know them. No hit
+  /// depends on it. Throws Error when Embree fails; then there are no hits.
+  void startFrame() const;
+
+  /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.
+  bool intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const;
+  /// All hits there, ascending.
+  void intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const;
+  /// Whether there is any hit.
+  bool occluded(const Ray& ray, double tMin, double tMax) const;
+  /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at
+  /// most.
+  void render(const Camera& camera, SurfaceLayers layers, HitImage& image,
+    std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
+
+  /// Its place.
+  CellId cell(const SurfaceHit& hit) const noexcept;
+  /// Width of that leaf along its shortest axis, in data coordinates.
+  double leafWidth(const SurfaceHit& hit) const noexcept;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+} // namespace treeamr

@@ -1,0 +1,169 @@
+#include "Surface/SecondaryRays.h"
+
+#include "Error.h"
+#include "Surface/SurfaceFrame.h"
+
+#include <oneapi/tbb/blocked_range2d.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Start of a ray off the surface, in widths of the hit's cell: far above the rounding of hits, far below
+/// what pixels show.
+constexpr double startOffset = 1e-3;
+
+/// Calls body(index of the hit, its pixel) for all hits, tile by tile: rays near each other ask for
+/// the same vertex values.
+template <class Body>
+void forEachHit(const Camera& camera, const HitImage& hits, const Body& body)
+{
+  checkPixels(hits, camera, "secondary rays");
+  constexpr int tile = 16;
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, camera.height(), tile, 0, camera.width(), tile),
+    [&](const tbb::blocked_range2d<int>& range) {
+      for (int y = range.rows().begin(); y < range.rows().end(); ++y)
+      {
+        for (int x = range.cols().begin(); x < range.cols().end(); ++x)
+        {
+          const std::size_t pixel = static_cast<std::size_t>(y) * camera.width() + x;
+          for (std::size_t i = hits.first[pixel]; i < hits.first[pixel + 1]; ++i)
+          {
+            body(i, x, y);
+          }
+        }
+      }
+    });
+}
+
+struct Start
+{
+  Vec3 pData;
+  Vec3 pWorld;
+  Vec3 normalWorld; // towards the camera
+};
+
+Start startOf(const Isosurface& surface, const SurfaceFrame& frame, const Ray& ray, const SurfaceHit& hit)
+{
+  const Vec3 away = normalized(frame.worldVector(ray.direction));
+  Start start;
+  start.pData = pointAt(ray, hit.t);
+  start.pWorld = frame.worldPoint(start.pData);
+  start.normalWorld = frame.worldNormal(hit.gradient, { -away[0], -away[1], -away[2] });
+  const Vec3 off = normalized(frame.dataVector(start.normalWorld));
+  const double distance = startOffset * surface.leafWidth(hit);
+  for (int a = 0; a < 3; ++a)
+  {
+    start.pData[a] += distance * off[a];
+  }
+  return start;
+}
+
+/// Points of the unit square that fill it evenly, however many: the additive recurrence of the plastic number
+/// (Roberts 2018), in 32-bit fixed point. Those of pixels next to each other are moved by the points of a lattice
+/// (Keller, Heidrich 2001): the 16 pixels of any square of 4 x 4 fill it together.
+class EvenPoints
+{
+public:
+  EvenPoints(int x, int y) noexcept
+  {
+    const std::uint32_t inPattern =
+      (static_cast<std::uint32_t>(x) + 4u * static_cast<std::uint32_t>(y)) % 16u;
+    startU_ = inPattern * sixteenth + sixteenth / 2;
+    startV_ = 5u * inPattern * sixteenth + sixteenth / 2; // modulo 1
+  }
+  void at(std::uint32_t i, double& u, double& v) const noexcept
+  {
+    constexpr std::uint32_t stepU = 3242174889u; // 2^32 / p, p^3 = p + 1
+    constexpr std::uint32_t stepV = 2447445414u; // 2^32 / p^2
+    u = 0x1p-32 * (startU_ + i * stepU);
+    v = 0x1p-32 * (startV_ + i * stepV);
+  }
+
+private:
+  static constexpr std::uint32_t sixteenth = 1u << 28;
+  std::uint32_t startU_;
+  std::uint32_t startV_;
+};
+
+/// Two unit vectors that are orthogonal to a third and to each other (Duff et al. 2017).
+std::array<Vec3, 2> tangents(const Vec3& n) noexcept
+{
+  const double sign = std::copysign(1., n[2]);
+  const double a = -1. / (sign + n[2]);
+  const double b = n[0] * n[1] * a;
+  return { { { 1. + sign * n[0] * n[0] * a, sign * b, -sign * n[0] },
+    { b, sign + n[1] * n[1] * a, -n[1] } } };
+}
+
+} // namespace
+
+void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
+  double radius, int first, int end, std::vector<std::uint16_t>& open)
+{
+  if (open.size() != hits.hits.size())
+  {
+    throw Error("ambient occlusion: " + std::to_string(open.size()) + " counts of open rays for " +
+      std::to_string(hits.hits.size()) + " hits");
+  }
+  const SurfaceFrame frame(camera.worldFromData());
+  forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
+    const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
+    const std::array<Vec3, 2> across = tangents(start.normalWorld);
+    const EvenPoints points(x, y);
+    for (int k = first; k < end; ++k)
+    {
+      double u;
+      double v;
+      points.at(static_cast<std::uint32_t>(k), u, v);
+      const double angle = 2. * std::numbers::pi * v;
+      const double along = std::sqrt(1. - u);
+      const double s = std::sqrt(u) * std::cos(angle);
+      const double t = std::sqrt(u) * std::sin(angle);
+      Vec3 direction;
+      for (int a = 0; a < 3; ++a)
+      {
+        direction[a] = s * across[0][a] + t * across[1][a] + along * start.normalWorld[a];
+      }
+      open[i] += !surface.occluded({ start.pData, frame.dataVector(direction) }, 0., radius);
+    }
+  });
+}
+
+void traceShadows(const Isosurface& surface, const Camera& camera, const HitImage& hits,
+  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit)
+{
+  lit.assign(hits.hits.size() * lights.size(), 1);
+  const SurfaceFrame frame(camera.worldFromData());
+  forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
+    const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
+    for (std::size_t l = 0; l < lights.size(); ++l)
+    {
+      const Light& light = lights[l];
+      if (!light.castsShadows)
+      {
+        continue;
+      }
+      Vec3 towards;
+      for (int a = 0; a < 3; ++a)
+      {
+        towards[a] = light.positional ? light.position[a] - start.pWorld[a] : -light.direction[a];
+      }
+      if (dot(towards, start.normalWorld) > 0.)
+      {
+        const double reach = light.positional ? 1. : std::numeric_limits<double>::infinity();
+        lit[l + lights.size() * i] = !surface.occluded({ start.pData, frame.dataVector(towards) }, 0., reach);
+      }
+    }
+  });
+}
+
+} // namespace treeamr

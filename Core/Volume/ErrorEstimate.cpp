@@ -1,0 +1,250 @@
+#include "Volume/ErrorEstimate.h"
+
+#include "Error.h"
+#include "Volume/Kernel/VolumeKernel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Of the samples, for what a frame is compared with: leaves a sixteenth of its error.
+constexpr double refinement = 4.;
+/// Below it more samples per cell hardly add to those that every block has.
+constexpr double leastConverged = 4.;
+/// One group of pixels in so many, within limits: a few dozen estimate an error to a fifth of it.
+constexpr std::size_t groupsPerChosen = 500;
+constexpr std::size_t leastChosen = 48;
+constexpr std::size_t mostChosen = 128;
+/// Groups of which one is chosen: to look at all of a large image would take as long as the rays.
+constexpr std::size_t candidatesPerChosen = 16;
+/// Added to a group's variation: even colours may be wrong.
+constexpr float litWeight = 0.02f;
+constexpr float unlitWeight = 0.001f;
+
+/// i-th member of the low-discrepancy sequence of the golden ratio in [0, 1).
+double golden(std::size_t i)
+{
+  const double x = static_cast<double>(i + 1) / std::numbers::phi;
+  return x - std::floor(x);
+}
+
+/// Of what may be wrong in a group of pixels, from its corners.
+float expectedError(const Image& frame, const PixelGroup& group)
+{
+  const int x1 = std::min(group.x + PixelGroup::width, frame.width) - 1;
+  const int y1 = std::min(group.y + PixelGroup::width, frame.height) - 1;
+  std::array<float, 4> low{ 2.f, 2.f, 2.f, 2.f };
+  std::array<float, 4> high{};
+  for (const auto& [x, y] : { std::array{ group.x, group.y }, { x1, group.y }, { group.x, y1 }, { x1, y1 } })
+  {
+    const float* rgba = frame.rgba.data() + 4 * (static_cast<std::size_t>(y) * frame.width + x);
+    for (int c = 0; c < 4; ++c)
+    {
+      low[c] = std::min(low[c], rgba[c]);
+      high[c] = std::max(high[c], rgba[c]);
+    }
+  }
+  const float variation = std::max({ high[0] - low[0], high[1] - low[1], high[2] - low[2] });
+  return variation + (high[3] > 0.f ? litWeight : unlitWeight);
+}
+
+} // namespace
+
+ErrorEstimator::ErrorEstimator(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
+  const Image& frame, const TranslucentHits* surfaces)
+  : field_(field)
+  , transferFunction_(transferFunction)
+  , camera_(camera)
+  , interval_(interval)
+  , settings_(settings)
+  , kept_(kept)
+  , surfaces_(surfaces)
+{
+  if (frame.width != camera.width() || frame.height != camera.height())
+  {
+    throw Error("error estimate: a frame of " + std::to_string(frame.width) + " x " +
+      std::to_string(frame.height) + " pixels for a camera of " + std::to_string(camera.width()) + " x " +
+      std::to_string(camera.height()));
+  }
+  choose(frame);
+  std::vector<float> ofFrame(groups_.size() * PixelGroup::rgbaSize, 0.f);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+  {
+    const auto [x, y] = groups_[g];
+    const int columns = std::min(PixelGroup::width, frame.width - x);
+    for (int row = 0; row < std::min(PixelGroup::width, frame.height - y); ++row)
+    {
+      std::copy_n(frame.rgba.data() + 4 * (static_cast<std::size_t>(y + row) * frame.width + x), 4 * columns,
+        ofFrame.data() + g * PixelGroup::rgbaSize + static_cast<std::size_t>(row) * 4 * PixelGroup::width);
+    }
+  }
+  refine(settings.samplesPerCell);
+  error_ = errorOf(ofFrame);
+}
+
+void ErrorEstimator::choose(const Image& frame)
+{
+  constexpr int perTile = volumeTileWidth / PixelGroup::width;
+  const int columns = (frame.width + volumeTileWidth - 1) / volumeTileWidth;
+  const int rows = (frame.height + volumeTileWidth - 1) / volumeTileWidth;
+  const std::size_t all =
+    static_cast<std::size_t>(columns) * rows * perTile * perTile; // also beyond the image
+  const std::size_t count = std::clamp(all / groupsPerChosen, leastChosen, mostChosen);
+  const std::size_t step = std::max<std::size_t>(1, all / (count * candidatesPerChosen));
+
+  std::vector<PixelGroup> candidates; // in the order of tiles
+  std::vector<double> sums;           // of weights up to and with each
+  for (std::size_t i = 0; i * step < all; ++i)
+  {
+    const std::size_t index = i * step + static_cast<std::size_t>(golden(i) * static_cast<double>(step));
+    const auto tile = static_cast<int>(index / (perTile * perTile));
+    const auto inTile = static_cast<int>(index % (perTile * perTile));
+    const PixelGroup group{ tile % columns * volumeTileWidth + inTile % perTile * PixelGroup::width,
+      tile / columns * volumeTileWidth + inTile / perTile * PixelGroup::width };
+    if (group.x < frame.width && group.y < frame.height)
+    {
+      candidates.push_back(group);
+      sums.push_back(expectedError(frame, group) + (sums.empty() ? 0. : sums.back()));
+    }
+  }
+  if (candidates.empty())
+  {
+    return;
+  }
+  const double values = 3. * frame.width * frame.height;
+  const double perDraw = sums.back() / static_cast<double>(count);
+  std::size_t at = 0;
+  std::size_t last = candidates.size(); // drawn last
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const double sum = (static_cast<double>(i) + golden(i)) * perDraw;
+    while (at + 1 < candidates.size() && sums[at] <= sum)
+    {
+      ++at;
+    }
+    if (at != last)
+    {
+      groups_.push_back(candidates[at]);
+      weights_.push_back(0.);
+      last = at;
+    }
+    const double chance = (sums[at] - (at > 0 ? sums[at - 1] : 0.)) / perDraw / static_cast<double>(step);
+    weights_.back() += 1. / (chance * values);
+  }
+}
+
+std::vector<float> ErrorEstimator::render(double samplesPerCell) const
+{
+  std::vector<float> rgba(groups_.size() * PixelGroup::rgbaSize);
+  VolumeSettings settings = settings_;
+  settings.samplesPerCell = samplesPerCell;
+  renderPixelGroups(field_, transferFunction_, camera_, interval_, settings, kept_, groups_, rgba, surfaces_);
+  return rgba;
+}
+
+void ErrorEstimator::refine(double samplesPerCell)
+{
+  const double wanted =
+    std::min(std::max(refinement * samplesPerCell, leastConverged), VolumeSettings::maxSamplesPerCell);
+  if (wanted > convergedSamples_)
+  {
+    converged_ = render(wanted);
+    convergedSamples_ = wanted;
+  }
+}
+
+double ErrorEstimator::errorOf(const std::vector<float>& rgba) const noexcept
+{
+  double all = 0.;
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+  {
+    double squares = 0.;
+    for (std::size_t i = g * PixelGroup::rgbaSize; i < (g + 1) * PixelGroup::rgbaSize; i += 4)
+    {
+      for (std::size_t c = i; c < i + 3; ++c)
+      {
+        const double difference = static_cast<double>(rgba[c]) - converged_[c];
+        squares += difference * difference;
+      }
+    }
+    all += weights_[g] * squares;
+  }
+  return std::sqrt(all);
+}
+
+double ErrorEstimator::findSamplesPerCell(double target, double least, double most)
+{
+  struct Try
+  {
+    double samples;
+    double error;
+  };
+  const auto attempt = [&](double samples) {
+    refine(samples);
+    return Try{ samples, errorOf(render(samples)) };
+  };
+  // Neighbouring settings on the two sides of the target.
+  Try misses{ std::clamp(settings_.samplesPerCell, least, most), error_ };
+  Try meets = misses;
+  if (error_ > target)
+  {
+    while (meets.error > target)
+    {
+      if (meets.samples == most)
+      {
+        return most;
+      }
+      misses = meets;
+      meets = attempt(std::min(2. * misses.samples, most));
+    }
+  }
+  else
+  {
+    while (misses.error <= target)
+    {
+      if (misses.samples == least)
+      {
+        return least;
+      }
+      meets = misses;
+      misses = attempt(std::max(0.5 * meets.samples, least));
+    }
+  }
+  // In between about a power of the samples, with jumps where many blocks get one sample more or are integrated in
+  // another way.
+  constexpr int refinements = 2;
+  for (int i = 0; i < refinements && target > 0.; ++i)
+  {
+    const double part =
+      std::log(misses.error / target) / (std::log(misses.error) - std::log(std::max(meets.error, 1e-12)));
+    const Try between =
+      attempt(misses.samples * std::pow(meets.samples / misses.samples, std::clamp(part, 0.1, 0.9)));
+    (between.error > target ? misses : meets) = between;
+  }
+  return meets.samples;
+}
+
+bool ErrorTarget::update(ErrorEstimator& estimator, double target)
+{
+  // Room for what the estimate errs by and for other views; within it the samples stay what they are.
+  constexpr double aim = 0.7;
+  constexpr double low = 0.5;
+  const double before = samplesPerCell_;
+  const double error = estimator.error();
+  if (error > target || error < low * target)
+  {
+    samplesPerCell_ = estimator.findSamplesPerCell(aim * target, least, most);
+  }
+  return error > target && samplesPerCell_ > before;
+}
+
+} // namespace treeamr

@@ -1,0 +1,933 @@
+// The volume renderer's inner part, vectorised across rays with Highway and compiled once for each
+// instruction set; the best is chosen when the program runs.
+//
+// A tile of 16 x 16 rays descends the octree once, front to back. Its rays form 16 groups of 4 x 4 pixels, a
+// group filling one AVX-512 vector (or 2 or 4 narrower ones); a node's eight children are tested together
+// against the groups that met the node. A node whose children are all leaves is a block: its rays are taken
+// through it in one interval, from its 5 x 5 x 5 vertex values. Leaves beside refined nodes use their part of
+// the same values.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "Volume/Kernel/VolumeKernel.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h: the rest is compiled once for each target.
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeSampling-inl.h"
+
+#include <hwy/highway.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+constexpr int groupRays = 16;
+constexpr int groups = 16;
+constexpr int tileRays = groups * groupRays;
+static_assert(volumeTileWidth * volumeTileWidth == tileRays);
+/// Bit g: group g.
+using GroupMask = std::uint32_t;
+
+/// As in the reference: a ray with less light left is done.
+constexpr float opaque = 1.f - 1.f / 1024.f;
+constexpr float finished = -std::numeric_limits<float>::max();
+
+/// CommonOrigin: all rays start at the scene's reference.
+template <bool CommonOrigin>
+class Tile
+{
+public:
+  explicit Tile(const VolumeKernelScene& scene)
+    : scene_(scene)
+    , octree_(scene.field.octree())
+    , grid_(octree_.grid())
+    , evaluator_(scene.field)
+    , writer_(scene.kept)
+    , table_(&scene.table.entries.data()->r)
+    , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
+    , width_(scene.camera.width())
+    , height_(scene.camera.height())
+  {
+  }
+
+  void render(int x0, int y0)
+  {
+    integrateRays(x0, y0, ~GroupMask(0));
+    finish(x0, y0);
+  }
+
+  /// Groups of one tile alone.
+  void renderGroups(int x0, int y0, std::span<const PixelGroup> wanted, float* rgba)
+  {
+    GroupMask mask = 0;
+    for (const PixelGroup& group : wanted)
+    {
+      mask |= GroupMask(1) << groupInTile(group.x - x0, group.y - y0);
+    }
+    integrateRays(x0, y0, mask);
+    for (const PixelGroup& group : wanted)
+    {
+      const int first = groupInTile(group.x - x0, group.y - y0) * groupRays;
+      for (int r = first; r < first + groupRays; ++r, rgba += 4)
+      {
+        store(r, rgba);
+      }
+    }
+  }
+
+  /// The work of a frame without its walk: the tile's rays go through one box of a position in the table, as often
+  /// as asked for.
+  void repeatInCache(int x0, int y0, float position, int repeats)
+  {
+    const GroupMask active = makeRays(x0, y0);
+    record_ = {};
+    const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
+      std::numeric_limits<float>::max(), false };
+    // Around the point of the middle ray at half of its length, wide enough for all.
+    constexpr int ray = tileRays / 2;
+    const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
+    const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
+    Box box;
+    for (int a = 0; a < 3; ++a)
+    {
+      const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
+      box.min[a] = middle - half;
+      box.max[a] = middle + half;
+    }
+    const Lattice lattice(box);
+    for (int repeat = 0; repeat < repeats; ++repeat)
+    {
+      integrate(block, box, lattice, active);
+    }
+    finish(x0, y0);
+  }
+
+  const VolumeStatistics& statistics() const noexcept { return statistics_; }
+
+private:
+  /// Rays of a group are 4 x 4 neighbours, groups 4 x 4 in the tile.
+  static constexpr int xInTile(int ray) { return 4 * (ray >> 4 & 3) + (ray & 3); }
+  static constexpr int yInTile(int ray) { return 4 * (ray >> 6) + (ray >> 2 & 3); }
+  static constexpr int groupInTile(int x, int y) { return x / 4 + y / 4 * 4; }
+
+  void integrateRays(int x0, int y0, GroupMask wanted)
+  {
+    const GroupMask active = makeRays(x0, y0) & wanted;
+    if (scene_.surfaces)
+    {
+      walkLayers(x0, y0, *scene_.surfaces, active);
+    }
+    else
+    {
+      walk(active);
+    }
+  }
+
+  /// With surfaces: up to each ray's first hit, across it, on to the ray's next, for all rays at once.
+  void walkLayers(int x0, int y0, const TranslucentHits& surfaces, GroupMask active)
+  {
+    float end[tileRays];
+    std::size_t next[tileRays]; // hits to come
+    std::size_t last[tileRays]; // and their end
+    for (int r = 0; r < tileRays; ++r)
+    {
+      end[r] = end_[r];
+      next[r] = last[r] = 0;
+      const int x = x0 + xInTile(r);
+      const int y = y0 + yInTile(r);
+      if ((active >> r / groupRays & 1) && x < width_ && y < height_)
+      {
+        const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+        next[r] = surfaces.image.first[pixel];
+        last[r] = surfaces.image.first[pixel + 1];
+      }
+      while (next[r] != last[r] && hitT(r, surfaces.image.hits[next[r]]) < begin_[r])
+      {
+        ++next[r];
+      }
+      while (next[r] != last[r] && !(hitT(r, surfaces.image.hits[last[r] - 1]) < end[r]))
+      {
+        --last[r];
+      }
+      end_[r] = next[r] != last[r] ? hitT(r, surfaces.image.hits[next[r]]) : end[r];
+    }
+    while (active != 0)
+    {
+      walk(active);
+      active = 0;
+      for (int r = 0; r < tileRays; ++r)
+      {
+        const bool hits = next[r] != last[r] && !(opacity_[r] > opaque);
+        if (hits)
+        {
+          const std::array<float, 4>& rgba = surfaces.rgba[next[r]];
+          const float weight = (1.f - opacity_[r]) * rgba[3];
+          red_[r] += weight * rgba[0];
+          green_[r] += weight * rgba[1];
+          blue_[r] += weight * rgba[2];
+          opacity_[r] += weight;
+          begin_[r] = end_[r];
+          ++next[r];
+        }
+        if (!hits || opacity_[r] > opaque)
+        {
+          end_[r] = finished;
+          continue;
+        }
+        end_[r] = next[r] != last[r] ? hitT(r, surfaces.image.hits[next[r]]) : end[r];
+        active |= GroupMask(1) << r / groupRays;
+      }
+    }
+  }
+
+  float toKernel(int axis, double data) const noexcept
+  {
+    return static_cast<float>((data - scene_.reference[axis]) * scene_.dataScale);
+  }
+
+  HWY_NOINLINE void walk(GroupMask active)
+  {
+    const NodeRef root = octree_.root();
+    Range range = scene_.field.range();
+    if (active != 0 && !root.isNone() && isVisible(root, range))
+    {
+      path_.depth = 0;
+      index_ = {};
+      const Bounds bounds = grid_.nodeBounds(index_, 0);
+      Box box;
+      for (int a = 0; a < 3; ++a)
+      {
+        box.min[a] = toKernel(a, bounds.min[a]);
+        box.max[a] = toKernel(a, bounds.max[a]);
+      }
+      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
+    }
+  }
+
+  GroupMask makeRays(int x0, int y0)
+  {
+    if constexpr (CommonOrigin)
+    {
+      makeFan(x0, y0);
+    }
+    GroupMask active = 0;
+    for (int r = 0; r < tileRays; ++r)
+    {
+      red_[r] = green_[r] = blue_[r] = opacity_[r] = 0.f;
+      const int x = x0 + xInTile(r);
+      const int y = y0 + yInTile(r);
+      if (x >= width_ || y >= height_)
+      {
+        end_[r] = finished;
+        continue;
+      }
+      if (CommonOrigin && !scene_.interval.begin && !scene_.interval.end)
+      {
+        active |= GroupMask(1) << r / groupRays;
+        ++statistics_.rays;
+        continue;
+      }
+      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+      const double begin = scene_.interval.begin ? scene_.interval.begin[pixel] : 0.;
+      const double end = scene_.interval.end ? scene_.interval.end[pixel] : 1.;
+      if (!(begin < end))
+      {
+        end_[r] = finished;
+        continue;
+      }
+      active |= GroupMask(1) << r / groupRays;
+      ++statistics_.rays;
+      if constexpr (CommonOrigin)
+      {
+        begin_[r] = fanT(x, y, begin);
+        end_[r] = fanT(x, y, end);
+      }
+      else
+      {
+        makeRay(r, x, y, begin, end);
+      }
+    }
+    return active;
+  }
+
+  float fanT(int x, int y, double depth) const noexcept
+  {
+    const PixelFan& fan = scene_.fan;
+    return static_cast<float>(scene_.scale /
+      (fan.inverseT + x * fan.inverseTPerX + y * fan.inverseTPerY + depth * fan.inverseTPerDepth));
+  }
+
+  /// Away from zero, keeping its sign: a ray parallel to a face has no reciprocal, and this tiny slope sorts it
+  /// into one side of any plane.
+  static HWY_INLINE Floats awayFromZero(Floats v)
+  {
+    const FloatTag d;
+    return hn::CopySign(hn::Max(hn::Abs(v), hn::Set(d, 1e-20f)), v);
+  }
+
+  void makeFan(int x0, int y0)
+  {
+    const FloatTag d;
+    const PixelFan& fan = scene_.fan;
+    HWY_ALIGN static constexpr float xs[groupRays] = { 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3 };
+    HWY_ALIGN static constexpr float ys[groupRays] = { 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
+    const Matrix4& m = scene_.camera.worldFromData();
+    const double toKernel = scene_.dataScale / scene_.scale; // of slopes
+    for (int ray = 0; ray < tileRays; ray += lanes)
+    {
+      const Floats x = hn::Load(d, xs + ray % groupRays);
+      const Floats y = hn::Load(d, ys + ray % groupRays);
+      const int groupX = x0 + xInTile(ray & ~(groupRays - 1));
+      const int groupY = y0 + yInTile(ray & ~(groupRays - 1));
+      Floats direction[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        const double first = toKernel * (fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a]);
+        direction[a] = mulAdd(x, hn::Set(d, static_cast<float>(toKernel * fan.perX[a])),
+          mulAdd(y, hn::Set(d, static_cast<float>(toKernel * fan.perY[a])),
+            hn::Set(d, static_cast<float>(first))));
+        hn::Store(direction[a], d, direction_[a] + ray);
+        hn::Store(hn::Div(hn::Set(d, 1.f), awayFromZero(direction[a])), d, inverse_[a] + ray);
+      }
+      Floats squared = hn::Zero(d);
+      for (int r = 0; r < 3; ++r)
+      {
+        Floats w = hn::Zero(d);
+        for (int a = 0; a < 3; ++a)
+        {
+          w = mulAdd(hn::Set(d, static_cast<float>(m[4 * r + a] / toKernel)), direction[a], w);
+        }
+        squared = mulAdd(w, w, squared);
+      }
+      hn::Store(hn::Sqrt(squared), d, lengthPerT_ + ray);
+      const Floats perX = hn::Set(d, static_cast<float>(fan.inverseTPerX / scene_.scale));
+      const Floats perY = hn::Set(d, static_cast<float>(fan.inverseTPerY / scene_.scale));
+      const double first =
+        (fan.inverseT + groupX * fan.inverseTPerX + groupY * fan.inverseTPerY) / scene_.scale;
+      const Floats near = mulAdd(x, perX, mulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
+      const Floats far = mulAdd(x, perX,
+        mulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
+      hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_ + ray);
+      hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_ + ray);
+    }
+  }
+
+  void makeRay(int r, int x, int y, double begin, double end)
+  {
+    const Ray ray = scene_.camera.ray(x, y);
+    const Bounds domain = grid_.bounds();
+    begin_[r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
+    end_[r] = tToKernel(scene_.camera.tFromDepth(ray, end));
+    lengthPerT_[r] = 1.f;
+    for (int a = 0; a < 3; ++a)
+    {
+      constexpr float tiny = 1e-20f;
+      const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
+      direction_[a][r] = slope;
+      origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
+      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
+      if (slope == 0.f)
+      {
+        // Beside the planes that it may run in: above them, below the domain's upper face.
+        const float aside = 0x1p-23f * std::max(1.f, std::abs(origin_[a][r]));
+        origin_[a][r] += origin_[a][r] < toKernel(a, domain.max[a]) ? aside : -aside;
+      }
+    }
+  }
+
+  float tToKernel(double t) const noexcept
+  {
+    return static_cast<float>((t - scene_.tReference) * scene_.scale);
+  }
+
+  /// Where the ray's begin_ and end_ count.
+  float hitT(int r, const SurfaceHit& hit) const noexcept
+  {
+    return CommonOrigin ? static_cast<float>(hit.t * scene_.scale / lengthPerT_[r]) : tToKernel(hit.t);
+  }
+
+  void finish(int x0, int y0) noexcept
+  {
+    statistics_.samples = std::accumulate(samples_, samples_ + lanes, statistics_.samples);
+    std::fill_n(samples_, lanes, 0);
+    for (int r = 0; r < tileRays; ++r)
+    {
+      const int x = x0 + xInTile(r);
+      const int y = y0 + yInTile(r);
+      if (x < width_ && y < height_)
+      {
+        store(r, scene_.image->rgba.data() + 4 * (static_cast<std::size_t>(y) * width_ + x));
+      }
+    }
+  }
+
+  void store(int ray, float* rgba) const noexcept
+  {
+    rgba[0] = red_[ray];
+    rgba[1] = green_[ray];
+    rgba[2] = blue_[ray];
+    rgba[3] = std::min(opacity_[ray], 1.f);
+  }
+
+  /// range: the parent's, and the node's on return when empty nodes are skipped.
+  bool isVisible(NodeRef node, Range& range) const noexcept
+  {
+    if (!node.isInner() || !scene_.settings.skipEmpty)
+    {
+      return true;
+    }
+    range = scene_.field.nodeRange(node, range);
+    return scene_.transferFunction.isVisible(range);
+  }
+
+  HWY_INLINE Floats planeT(int axis, int ray, float plane) const
+  {
+    const FloatTag d;
+    Floats distance = hn::Set(d, plane);
+    if (!CommonOrigin)
+    {
+      distance = hn::Sub(distance, hn::Load(d, origin_[axis] + ray));
+    }
+    return hn::Mul(distance, hn::Load(d, inverse_[axis] + ray));
+  }
+
+  /// For each of a node's children the groups of which a ray crosses it.
+  HWY_INLINE void cross(
+    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+  {
+    const FloatTag d;
+    for (GroupMask& child : children)
+    {
+      child = 0;
+    }
+    for (; active != 0; active &= active - 1)
+    {
+      const int group = std::countr_zero(active);
+      unsigned any = 0; // mask of children
+      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
+      {
+        Floats begin[3][2];
+        Floats end[3][2];
+        for (int a = 0; a < 3; ++a)
+        {
+          const Floats low = planeT(a, ray, box.min[a]);
+          const Floats mid = planeT(a, ray, middle[a]);
+          const Floats high = planeT(a, ray, box.max[a]);
+          begin[a][0] = hn::Min(low, mid);
+          end[a][0] = hn::Max(low, mid);
+          begin[a][1] = hn::Min(mid, high);
+          end[a][1] = hn::Max(mid, high);
+        }
+        const Floats rayBegin = hn::Load(d, begin_ + ray);
+        const Floats rayEnd = hn::Load(d, end_ + ray);
+        for (int z = 0; z < 2; ++z)
+        {
+          const Floats beginZ = hn::Max(begin[2][z], rayBegin);
+          const Floats endZ = hn::Min(end[2][z], rayEnd);
+          for (int y = 0; y < 2; ++y)
+          {
+            const Floats beginYZ = hn::Max(begin[1][y], beginZ);
+            const Floats endYZ = hn::Min(end[1][y], endZ);
+            for (int x = 0; x < 2; ++x)
+            {
+              const Mask crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
+              any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
+            }
+          }
+        }
+      }
+      for (int c = 0; c < 8; ++c)
+      {
+        children[c] |= static_cast<GroupMask>(any >> c & 1) << group;
+      }
+    }
+  }
+
+  void visit(std::uint64_t node, const Box& box, GroupMask active, Range range)
+  {
+    ++statistics_.nodes;
+    const Octree::Children children = octree_.children(node);
+    const bool constants = scene_.features.categories;
+    if (!constants && isBlock(node, children))
+    {
+      visitBlock(node, BlockCells::Leaves, box, active);
+      return;
+    }
+    if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(node, children, box))
+    {
+      visitBlock(node, BlockCells::Means, box, active);
+      return;
+    }
+    unsigned wanted = 0; // mask of children
+    std::array<Range, 8> ranges;
+    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const NodeRef child(NodeKind::Inner, path_.depth + 1, children.innerIndex(octant));
+      ranges[octant] = range;
+      wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
+    }
+    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const std::uint64_t leaf = children.leafIndex(octant);
+      const bool isWanted = !octree_.isGhost(leaf) && !(constants && isSkipped(leaf));
+      wanted |= static_cast<unsigned>(isWanted) << octant;
+    }
+    if (wanted == 0)
+    {
+      return;
+    }
+    std::array<float, 3> middle;
+    int nearest = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      const double plane = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
+      middle[a] = toKernel(a, plane);
+      const bool upper =
+        scene_.camera.isPerspective() ? scene_.camera.eye()[a] >= plane : scene_.direction[a] < 0.;
+      nearest |= upper << a;
+    }
+    GroupMask crossing[8];
+    cross(box, middle, active, crossing);
+    bool hasValues = false;
+    Block block;
+    for (int i = 0; i < 8; ++i)
+    {
+      const int octant = i ^ nearest;
+      if (!(wanted >> octant & 1) || crossing[octant] == 0)
+      {
+        continue;
+      }
+      Box childBox;
+      for (int a = 0; a < 3; ++a)
+      {
+        const bool upper = octant >> a & 1;
+        childBox.min[a] = upper ? middle[a] : box.min[a];
+        childBox.max[a] = upper ? box.max[a] : middle[a];
+      }
+      if (children.leaf >> octant & 1)
+      {
+        if (constants)
+        {
+          integrateConstant(children.leafIndex(octant), childBox, crossing[octant]);
+          continue;
+        }
+        if (!hasValues)
+        {
+          if (!find(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
+          {
+            wanted &= ~children.leaf;
+            continue;
+          }
+          hasValues = true;
+        }
+        integrate(block, childBox, Lattice(childBox, octant), crossing[octant]);
+        continue;
+      }
+      const auto index = index_;
+      for (int a = 0; a < 3; ++a)
+      {
+        index_[a] = 2 * index_[a] + (octant >> a & 1);
+      }
+      path_.descend(octant, children.innerIndex(octant));
+      visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
+      path_.ascend();
+      index_ = index;
+      // The subtree may have used the buffers.
+      hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
+    }
+  }
+
+  /// Whether the node's children are drawn together.
+  bool isBlock(std::uint64_t node, const Octree::Children& children) const noexcept
+  {
+    // Above the root trees widths may differ and parts be missing.
+    return children.allLeaves() && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node);
+  }
+
+  bool isDrawnByMeans(std::uint64_t node, const Octree::Children& children, const Box& box) const noexcept
+  {
+    return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node) &&
+      isSmall(box);
+  }
+
+  bool isSmall(const Box& box) const noexcept
+  {
+    double squared = 0.;
+    double width = 0.;
+    for (int a = 0; a < 3; ++a)
+    {
+      squared += std::pow(0.5 * (box.min[a] + box.max[a]), 2);
+      width = std::max(width, 0.5 * static_cast<double>(box.max[a] - box.min[a]));
+    }
+    const double pixel = scene_.pixelWidth + scene_.pixelGrowth * std::sqrt(squared);
+    return width < scene_.settings.levelOfDetailPixels * pixel;
+  }
+
+  /// A node's vertex values, ready for sampling.
+  struct Block
+  {
+    const std::uint16_t* steps;
+    const float* exact; // places in the table, not cut off at its ends; null unless steps are too coarse
+    ToTable toTable;
+    float variation; // of the extinction over the block's hull, per kernel unit
+    bool preIntegrate;
+  };
+
+  /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
+  bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * scene_.table.last); }
+
+  /// False when nothing of it is visible.
+  bool find(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
+  {
+    const BlockCache::Found found = scene_.kept.find(node, cells);
+    Range range = found.range;
+    block.exact = nullptr;
+    if (found.record)
+    {
+      ++statistics_.kept;
+      block.steps = found.record->values.data();
+    }
+    else
+    {
+      compute(cells);
+      range = values_.range;
+    }
+    if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
+    {
+      if (!found.record)
+      {
+        writer_.keep(node, cells, values_);
+      }
+      return false;
+    }
+    const TransferFunction& tf = scene_.transferFunction;
+    const KernelTable& table = scene_.table;
+    const double scale = tf.scale() * table.perEntry;
+    const double first = tf.position(range.min) * table.perEntry;
+    const double last = tf.position(range.max) * table.perEntry;
+    const double offset = (range.min - tf.min()) * scale;
+    const double width = static_cast<double>(range.max) - range.min;
+    block.toTable = { static_cast<float>(width * scale / BlockRecord::steps), static_cast<float>(offset),
+      static_cast<float>(first), static_cast<float>(last) };
+    const auto firstEntry = static_cast<std::size_t>(first);
+    const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
+    const double variation = table.variation[lastEntry] - table.variation[firstEntry];
+    block.variation = static_cast<float>(variation);
+    block.preIntegrate = scene_.features.preIntegration &&
+      pointSampleError(
+        scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
+          leafWidth >
+        pointSampleTolerance;
+    if (!found.record)
+    {
+      const BlockRecord* kept = writer_.keep(node, cells, values_);
+      if (!kept)
+      {
+        record_ = BlockRecord(values_);
+        kept = &record_;
+      }
+      block.steps = kept->values.data();
+    }
+    if (isCoarse(block.toTable))
+    {
+      if (found.record)
+      {
+        compute(cells);
+      }
+      // Places in the table at once: a difference from a huge end of the hull would have lost the other values'
+      // digits. So far away, all that matters is that they are finite.
+      constexpr double far = 0x1p100;
+      for (std::size_t i = 0; i < values_.values.size(); ++i)
+      {
+        exact_[i] = static_cast<float>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
+      }
+      block.exact = exact_;
+      block.toTable.scale = 1.f;
+      block.toTable.offset = 0.f;
+    }
+    return true;
+  }
+
+  void compute(BlockCells cells)
+  {
+    evaluator_.compute(path_, cells, values_);
+    ++statistics_.blocks;
+    const Octree::Children children = octree_.children(path_.node[path_.depth]);
+    statistics_.cells += std::popcount(children.leaf);
+  }
+
+  void visitBlock(std::uint64_t node, BlockCells cells, const Box& box, GroupMask active)
+  {
+    Block block;
+    if (find(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
+    {
+      integrate(block, box, Lattice(box), active);
+    }
+  }
+
+  /// A tree without inner nodes: one constant.
+  void visitOnlyLeaf(const Box& box, GroupMask active)
+  {
+    if (!octree_.isGhost(0))
+    {
+      integrateConstant(0, box, active);
+    }
+  }
+
+  float positionOf(std::uint64_t leaf) const noexcept
+  {
+    const float value = scene_.field.leafValues()[leaf];
+    return static_cast<float>(scene_.transferFunction.position(value) * scene_.table.perEntry);
+  }
+
+  /// Whether a leaf of a category is transparent and such ones are left out.
+  bool isSkipped(std::uint64_t leaf) const noexcept
+  {
+    return scene_.settings.skipEmpty &&
+      scene_.table.entries[static_cast<std::size_t>(positionOf(leaf))].extinction == 0.f;
+  }
+
+  /// A leaf whose value is the same everywhere in it.
+  void integrateConstant(std::uint64_t leaf, const Box& box, GroupMask active)
+  {
+    alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
+    const float position = positionOf(leaf);
+    integrate({ noSteps.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
+      Lattice(box), active);
+  }
+
+  void integrate(const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  {
+    if (block.exact)
+    {
+      integrate(ExactValues{ block.exact }, block, box, lattice, active);
+    }
+    else
+    {
+      integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
+    }
+  }
+
+  template <class Values>
+  void integrate(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  {
+    for (; active != 0; active &= active - 1)
+    {
+      const int group = std::countr_zero(active);
+      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
+      {
+        block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
+                           : integrate<false>(values, block, box, lattice, ray);
+      }
+    }
+  }
+
+  /// Takes the rays from `ray` on through a box: by midpoint samples, or by the transfer function's integrals
+  /// over what the field covers in each step.
+  template <bool PreIntegrated, class Values>
+  HWY_INLINE void integrate(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
+  {
+    const FloatTag d;
+    Floats begin = hn::Load(d, begin_ + ray);
+    Floats end = hn::Load(d, end_ + ray);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Floats low = planeT(a, ray, box.min[a]);
+      const Floats high = planeT(a, ray, box.max[a]);
+      begin = hn::Max(begin, hn::Min(low, high));
+      end = hn::Min(end, hn::Max(low, high));
+    }
+    const Mask crosses = hn::Lt(begin, end);
+    if (hn::AllFalse(d, crosses))
+    {
+      return;
+    }
+    ++statistics_.intervals;
+    const Floats length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
+    Span span;
+    Floats squared = hn::Zero(d);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Floats direction = hn::Load(d, direction_[a] + ray);
+      const Floats scale = hn::Set(d, lattice.scale[a]);
+      Floats corner = hn::Set(d, -lattice.min[a]);
+      if (!CommonOrigin)
+      {
+        corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
+      }
+      span.start[a] = hn::Mul(mulAdd(begin, direction, corner), scale);
+      span.slope[a] = hn::Mul(direction, scale);
+      squared = mulAdd(span.slope[a], span.slope[a], squared);
+    }
+    const Floats opacity = hn::Load(d, opacity_ + ray);
+    const Floats transmittance = hn::Sub(hn::Set(d, 1.f), opacity);
+    const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
+    // Squares: of the way in widths of a leaf, and of what the variation of optical depth on it asks for.
+    const Floats widths = hn::Mul(hn::Mul(squared, hn::Set(d, 0.25f)), hn::Mul(length, length));
+    const Floats variation = hn::Mul(hn::Mul(length, lengthPerT),
+      hn::Mul(
+        transmittance, hn::Set(d, samplesPerRootVariation * samplesPerRootVariation * block.variation)));
+    const Floats wanted = hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
+    const float mostSamples = chooseSteps(hn::IfThenElseZero(crosses, wanted), length, span);
+    span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
+    span.samples = hn::IfThenElseZero(crosses, span.samples);
+    hn::Store(hn::Add(hn::Load(IntTag(), samples_), hn::NearestInt(span.samples)), IntTag(), samples_);
+    statistics_.steps += static_cast<std::uint64_t>(mostSamples);
+
+    Light light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
+      hn::Load(d, blue_ + ray) };
+    if constexpr (PreIntegrated)
+    {
+      takeIntegrals(scene_.table, span, mostSamples, values, block.toTable, lattice, light);
+      statistics_.litSteps += static_cast<std::uint64_t>(mostSamples);
+    }
+    else
+    {
+      float i = 0.f;
+      for (; i + 1.f < mostSamples; i += 2.f)
+      {
+        statistics_.litSteps += takePoints<2>(table_, span, i, values, block.toTable, lattice, light);
+      }
+      if (i < mostSamples)
+      {
+        statistics_.litSteps += takePoints<1>(table_, span, i, values, block.toTable, lattice, light);
+      }
+    }
+    hn::Store(light.opacity, d, opacity_ + ray);
+    hn::Store(light.red, d, red_ + ray);
+    hn::Store(light.green, d, green_ + ray);
+    hn::Store(light.blue, d, blue_ + ray);
+    const Mask done = hn::Gt(light.opacity, hn::Set(d, opaque));
+    hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, end_ + ray)), d, end_ + ray);
+  }
+
+  const VolumeKernelScene& scene_;
+  const Octree& octree_;
+  const RootGrid& grid_;
+  BlockPath path_;
+  BlockEvaluator evaluator_;
+  BlockCache::Writer writer_;
+  const float* table_;
+  float samplesPerCell_;
+  int width_;
+  int height_;
+  BlockValues values_; // computed last
+  BlockRecord record_;
+  HWY_ALIGN float exact_[128] = {};
+
+  std::array<Coord, 3> index_{};
+
+  HWY_ALIGN float origin_[3][tileRays] = {}; // unless common
+  HWY_ALIGN float direction_[3][tileRays] = {};
+  HWY_ALIGN float inverse_[3][tileRays] = {};
+  HWY_ALIGN float begin_[tileRays] = {};
+  HWY_ALIGN float end_[tileRays] = {};
+  HWY_ALIGN float lengthPerT_[tileRays] = {}; // world length per t
+  HWY_ALIGN float red_[tileRays];
+  HWY_ALIGN float green_[tileRays];
+  HWY_ALIGN float blue_[tileRays];
+  HWY_ALIGN float opacity_[tileRays];
+  VolumeStatistics statistics_;
+  HWY_ALIGN std::int32_t samples_[lanes] = {}; // by lane: summing a vector up at each interval takes longer
+};
+
+template <bool CommonOrigin>
+VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
+{
+  Tile<CommonOrigin> tile(scene);
+  for (int column = 0; column < columns; ++column)
+  {
+    tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, position, repeats);
+  }
+  return tile.statistics();
+}
+
+VolumeStatistics RepeatInCache(
+  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
+{
+  return scene.features.commonOrigin ? repeatRow<true>(scene, row, columns, position, repeats)
+                                     : repeatRow<false>(scene, row, columns, position, repeats);
+}
+
+template <bool CommonOrigin>
+void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  Tile<CommonOrigin> tile(scene);
+  while (!groups.empty())
+  {
+    const int x = groups.front().x / volumeTileWidth * volumeTileWidth;
+    const int y = groups.front().y / volumeTileWidth * volumeTileWidth;
+    std::size_t inTile = 1;
+    while (inTile < groups.size() && groups[inTile].x / volumeTileWidth * volumeTileWidth == x &&
+      groups[inTile].y / volumeTileWidth * volumeTileWidth == y)
+    {
+      ++inTile;
+    }
+    tile.renderGroups(x, y, groups.first(inTile), rgba);
+    rgba += inTile * PixelGroup::rgbaSize;
+    groups = groups.subspan(inTile);
+  }
+}
+
+void RenderGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  scene.features.commonOrigin ? renderListed<true>(scene, groups, rgba)
+                              : renderListed<false>(scene, groups, rgba);
+}
+
+template <bool CommonOrigin>
+VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+{
+  Tile<CommonOrigin> tile(scene);
+  for (int column = columnBegin; column < columnEnd; ++column)
+  {
+    tile.render(column * volumeTileWidth, row * volumeTileWidth);
+  }
+  return tile.statistics();
+}
+
+VolumeStatistics RenderTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+{
+  return scene.features.commonOrigin ? renderRow<true>(scene, row, columnBegin, columnEnd)
+                                     : renderRow<false>(scene, row, columnBegin, columnEnd);
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace treeamr
+{
+
+HWY_EXPORT(RenderGroups);
+HWY_EXPORT(RenderTiles);
+HWY_EXPORT(RepeatInCache);
+
+VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+{
+  return HWY_DYNAMIC_DISPATCH(RenderTiles)(scene, row, columnBegin, columnEnd);
+}
+
+void renderVolumeGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  HWY_DYNAMIC_DISPATCH(RenderGroups)(scene, groups, rgba);
+}
+
+VolumeStatistics repeatVolumeTilesInCache(
+  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
+{
+  return HWY_DYNAMIC_DISPATCH(RepeatInCache)(scene, row, columns, position, repeats);
+}
+
+} // namespace treeamr
+#endif

@@ -1,0 +1,94 @@
+// What the vectorised volume renderer is given, and its entry: one source for every instruction set.
+#pragma once
+
+#include "Interpolation/BlockCache.h"
+#include "Volume/VolumeRenderer.h"
+
+#include <algorithm>
+#include <span>
+
+namespace treeamr
+{
+
+/// What a frame needs beyond the common case, chosen once: what is absent costs nothing.
+struct SceneFeatures
+{
+  bool commonOrigin = true;    // all rays start at one point; compiled apart
+  bool preIntegration = false; // some cell may vary more than point samples can follow
+  bool categories = false;     // each leaf is one constant
+};
+
+/// The transfer function for the kernel, by entry, with extinctions per kernel unit. Of few entries it makes more,
+/// so that the nearest one stands for what lies between them.
+struct KernelTable
+{
+  double perEntry; // entries for one of the transfer function
+  float last;      // number of the last entry
+  /// For point samples: the nearest entry, its extinction in binary orders of magnitude.
+  std::vector<TransferFunction::Entry> entries;
+  /// Sums over the entries before each one of what changes from entry to entry: of the extinction or its product
+  /// with a colour, whichever changes most.
+  std::vector<double> variation;
+  /// The same for the changes of these changes.
+  std::vector<double> curvature;
+  /// For pre-integration: extinction times colour and extinction, in the order of Entry, and sums of these over the
+  /// entries before each one, in two floats each: the sums, and what rounding left of them.
+  struct Integral
+  {
+    float sum[4];
+    float rest[4];
+    float own[4];
+  };
+  std::vector<Integral> integrals;
+};
+
+/// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, both as
+/// a length on the central ray and in data coordinates, so that neither offsets nor units cost it digits.
+struct VolumeKernelScene
+{
+  const Field& field;
+  const TransferFunction& transferFunction;
+  const Camera& camera;
+  const DepthInterval& interval;
+  const VolumeSettings& settings;
+  BlockCache& kept;
+  Image* image;                    // null: only groups of pixels are rendered
+  const TranslucentHits* surfaces; // null: none
+
+  SceneFeatures features;
+  Vec3 reference;    // data coordinates; the eye when all rays start there
+  Vec3 direction;    // of the ray in the image's middle, of all rays in parallel projection
+  double tReference; // t that the kernel counts from
+  double scale;      // kernel units per unit of world length
+  double dataScale;  // and of data coordinates
+  PixelFan fan;      // common origin only
+  KernelTable table;
+  /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
+  double pixelWidth;
+  double pixelGrowth;
+};
+
+/// Of the optical depth along one width of a leaf, when its part of the table is only sampled at points: what
+/// lies between samples is missed, at most the whole variation; a smooth function errs by its bend over the
+/// square of the samples. Per kernel unit of the leaf's width; `entries` of the table lie in its hull.
+inline double pointSampleError(
+  const VolumeKernelScene& scene, double variation, double curvature, double entries) noexcept
+{
+  const double samples = std::max(1., scene.settings.samplesPerCell);
+  return std::min(variation, curvature * entries / 8.) / (samples * samples);
+}
+/// Above it the samples' intervals are integrated.
+constexpr double pointSampleTolerance = 0.2;
+
+constexpr int volumeTileWidth = 16;
+static_assert(volumeTileWidth == 4 * PixelGroup::width);
+
+/// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
+VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
+/// See renderPixelGroups().
+void renderVolumeGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba);
+/// See renderWithoutWalk(). position: in the table.
+VolumeStatistics repeatVolumeTilesInCache(
+  const VolumeKernelScene& scene, int row, int columns, float position, int repeats);
+
+} // namespace treeamr

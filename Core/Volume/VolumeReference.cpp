@@ -1,0 +1,362 @@
+#include "Volume/VolumeReference.h"
+
+#include "Geometry/RayBox.h"
+#include "Interpolation/VertexValues.h"
+#include "Octree/TreePath.h"
+
+#include <oneapi/tbb/blocked_range2d.h>
+#include <oneapi/tbb/combinable.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+namespace treeamr
+{
+
+namespace
+{
+
+constexpr int tileWidth = 8;
+using RayMask = std::uint64_t;
+static_assert(tileWidth * tileWidth == 64, "one bit per ray");
+
+/// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
+constexpr float opaqueTransmittance = 1.f / 1024.f;
+
+struct TileRay
+{
+  SlabRay slab;
+  double begin;
+  double end;
+  double transmittance;
+  std::array<double, 4> color; // and opacity: one minus the transmittance has no digits for faint things
+  std::size_t nextHit;
+  std::size_t endOfHits;
+  double last; // t where the ray ends, `end` being where it meets the next hit
+};
+
+/// The field inside a leaf from its 27 vertex values.
+class LeafField
+{
+public:
+  LeafField(const VertexValues& values, Range range) noexcept
+    : values_(values)
+    , range_(range)
+  {
+  }
+  /// p: half widths from the leaf's lower corner, 0 to 2.
+  float operator()(const std::array<double, 3>& p) const noexcept
+  {
+    constexpr std::array<int, 3> stride{ 1, 3, 9 };
+    int base = 0;
+    std::array<double, 3> f;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = p[a] >= 1.;
+      base += upper ? stride[a] : 0;
+      f[a] = std::clamp(p[a] - upper, 0., 1.);
+    }
+    const float* v = values_.data() + base;
+    // In double precision: the difference of two floats may be none.
+    const auto alongX = [&](int i) { return v[i] + f[0] * (static_cast<double>(v[i + 1]) - v[i]); };
+    const auto alongY = [&](int i) {
+      const double a = alongX(i);
+      return a + f[1] * (alongX(i + 3) - a);
+    };
+    const double a = alongY(0);
+    // Rounding must not leave the range by which nodes are skipped.
+    return std::clamp(static_cast<float>(a + f[2] * (alongY(9) - a)), range_.min, range_.max);
+  }
+
+private:
+  const VertexValues& values_;
+  Range range_;
+};
+
+class TileRenderer
+{
+public:
+  TileRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+    const VolumeSettings& settings, const TranslucentHits* surfaces)
+    : field_(field)
+    , transferFunction_(transferFunction)
+    , camera_(camera)
+    , settings_(settings)
+    , surfaces_(surfaces)
+    , path_(field.octree())
+  {
+  }
+
+  void render(int x0, int y0, const DepthInterval& interval, Image& image)
+  {
+    rays_.clear();
+    RayMask active = 0;
+    const int x1 = std::min(x0 + tileWidth, image.width);
+    const int y1 = std::min(y0 + tileWidth, image.height);
+    for (int y = y0; y < y1; ++y)
+    {
+      for (int x = x0; x < x1; ++x)
+      {
+        const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+        const double begin = interval.begin ? interval.begin[pixel] : 0.;
+        const double end = interval.end ? interval.end[pixel] : 1.;
+        const Ray ray = camera_.ray(x, y);
+        TileRay tileRay{ SlabRay(ray), 0., 0., 1., {}, 0, 0, 0. };
+        tileRay.slab.enterUpperFaces(field_.octree().grid().bounds());
+        if (begin < end)
+        {
+          tileRay.begin = camera_.tFromDepth(ray, begin);
+          tileRay.end = camera_.tFromDepth(ray, end);
+          if (surfaces_)
+          {
+            findHits(tileRay, pixel);
+          }
+          active |= RayMask(1) << rays_.size();
+        }
+        rays_.push_back(tileRay);
+      }
+    }
+    direction_ = rays_.front().slab.direction;
+    while (active != 0)
+    {
+      path_.reset();
+      if (!path_.node().isNone())
+      {
+        visit(active, field_.range());
+      }
+      active = surfaces_ ? crossSurfaces() : 0;
+    }
+    for (int y = y0, r = 0; y < y1; ++y)
+    {
+      for (int x = x0; x < x1; ++x, ++r)
+      {
+        float* rgba = image.rgba.data() + 4 * (static_cast<std::size_t>(y) * image.width + x);
+        std::transform(
+          rays_[r].color.begin(), rays_[r].color.end(), rgba, [](double c) { return static_cast<float>(c); });
+      }
+    }
+  }
+
+  const VolumeStatistics& statistics() const noexcept { return statistics_; }
+
+private:
+  void findHits(TileRay& ray, std::size_t pixel) const noexcept
+  {
+    const auto& hits = surfaces_->image.hits;
+    ray.last = ray.end;
+    ray.nextHit = surfaces_->image.first[pixel];
+    ray.endOfHits = surfaces_->image.first[pixel + 1];
+    while (ray.nextHit != ray.endOfHits && hits[ray.nextHit].t < ray.begin)
+    {
+      ++ray.nextHit;
+    }
+    while (ray.nextHit != ray.endOfHits && !(hits[ray.endOfHits - 1].t < ray.end))
+    {
+      --ray.endOfHits;
+    }
+    ray.end = endOfLayer(ray);
+  }
+
+  double endOfLayer(const TileRay& ray) const noexcept
+  {
+    return ray.nextHit != ray.endOfHits ? surfaces_->image.hits[ray.nextHit].t : ray.last;
+  }
+
+  /// Takes each ray across the hit it has come to; those that go on behind it.
+  RayMask crossSurfaces() noexcept
+  {
+    RayMask active = 0;
+    for (std::size_t r = 0; r < rays_.size(); ++r)
+    {
+      TileRay& ray = rays_[r];
+      if (ray.nextHit == ray.endOfHits || !(ray.transmittance > opaqueTransmittance))
+      {
+        ray.nextHit = ray.endOfHits;
+        continue;
+      }
+      const std::array<float, 4>& rgba = surfaces_->rgba[ray.nextHit];
+      const double weight = ray.transmittance * rgba[3];
+      for (int c = 0; c < 3; ++c)
+      {
+        ray.color[c] += weight * rgba[c];
+      }
+      ray.color[3] += weight;
+      ray.transmittance -= weight;
+      ray.begin = ray.end;
+      ++ray.nextHit;
+      ray.end = endOfLayer(ray);
+      active |= RayMask(1) << r;
+    }
+    return active;
+  }
+
+  /// parent: the parent's range, of use when empty nodes are skipped.
+  void visit(RayMask active, Range parent) noexcept
+  {
+    const NodeRef node = path_.node();
+    Range range = parent;
+    if (node.isInner() && settings_.skipEmpty)
+    {
+      range = field_.nodeRange(node, parent);
+      if (!transferFunction_.isVisible(range))
+      {
+        return;
+      }
+    }
+    const Bounds box = field_.octree().grid().nodeBounds(path_.index(), path_.depth());
+    RayMask crossing = 0;
+    for (RayMask rest = active; rest != 0; rest &= rest - 1)
+    {
+      const int r = std::countr_zero(rest);
+      TileRay& ray = rays_[r];
+      double t0 = ray.begin;
+      double t1 = ray.end;
+      if (ray.transmittance > opaqueTransmittance && ray.slab.clip(box.min, box.max, t0, t1))
+      {
+        crossing |= RayMask(1) << r;
+        leafInterval_[r] = { t0, t1 };
+      }
+    }
+    if (crossing == 0)
+    {
+      return;
+    }
+    if (node.isLeaf())
+    {
+      integrateLeaf(box, crossing);
+      return;
+    }
+    ++statistics_.nodes;
+    // Any order in which an octant follows those nearer along each axis is front to back for every ray from
+    // the eye: counting up in the bits that differ from the nearest octant's.
+    int nearest = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = camera_.isPerspective()
+        ? camera_.eye()[a] >= field_.octree().grid().nodePlane(a, 2 * path_.index()[a] + 1, path_.depth() + 1)
+        : direction_[a] < 0.;
+      nearest |= upper << a;
+    }
+    for (int i = 0; i < 8; ++i)
+    {
+      const int octant = i ^ nearest;
+      if (!field_.octree().child(node, octant).isNone())
+      {
+        path_.descend(octant);
+        visit(crossing, range);
+        path_.ascend();
+      }
+    }
+  }
+
+  void integrateLeaf(const Bounds& box, RayMask crossing) noexcept
+  {
+    if (field_.octree().isGhost(path_.node().index()))
+    {
+      return;
+    }
+    VertexValues values;
+    if (transferFunction_.hasCategories())
+    {
+      values.fill(field_.value(path_.node()));
+    }
+    else
+    {
+      values = vertexValues<VertexRule::GTI>(path_, field_, memo_);
+      ++statistics_.cells;
+    }
+    const Range range = hull(values);
+    if (settings_.skipEmpty && !transferFunction_.isVisible(range))
+    {
+      return;
+    }
+    const LeafField leafField(values, range);
+    std::array<double, 3> halfWidths; // per data coordinate
+    for (int a = 0; a < 3; ++a)
+    {
+      halfWidths[a] = 2. / (box.max[a] - box.min[a]);
+    }
+    for (; crossing != 0; crossing &= crossing - 1)
+    {
+      const int r = std::countr_zero(crossing);
+      integrate(rays_[r], leafInterval_[r], box, halfWidths, leafField);
+    }
+  }
+
+  /// Midpoint samples: emission and absorption with the sample's extinction over its step.
+  void integrate(TileRay& ray, const std::array<double, 2>& interval, const Bounds& box,
+    const std::array<double, 3>& halfWidths, const LeafField& leafField) noexcept
+  {
+    const double length = interval[1] - interval[0];
+    std::array<double, 3> position;
+    std::array<double, 3> perLength;
+    double squared = 0.;
+    for (int a = 0; a < 3; ++a)
+    {
+      const double d = ray.slab.direction[a] * halfWidths[a];
+      position[a] = (ray.slab.origin[a] + interval[0] * ray.slab.direction[a] - box.min[a]) * halfWidths[a];
+      perLength[a] = d * length;
+      squared += d * d;
+    }
+    const double widths = 0.5 * std::sqrt(squared) * length;
+    const int samples = std::max(1, static_cast<int>(std::ceil(widths * settings_.samplesPerCell)));
+    const double step = length / samples;
+    for (int i = 0; i < samples; ++i)
+    {
+      const double f = (i + 0.5) / samples;
+      const TransferFunction::Entry e = transferFunction_.at(leafField(
+        { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] }));
+      if (e.extinction == 0.f)
+      {
+        continue;
+      }
+      const double weight = ray.transmittance * -std::expm1(-e.extinction * step);
+      ray.color[0] += weight * e.r;
+      ray.color[1] += weight * e.g;
+      ray.color[2] += weight * e.b;
+      ray.color[3] += weight;
+      ray.transmittance -= weight;
+    }
+    statistics_.samples += samples;
+  }
+
+  const Field& field_;
+  const TransferFunction& transferFunction_;
+  const Camera& camera_;
+  const VolumeSettings& settings_;
+  const TranslucentHits* surfaces_; // null: none
+  TreePath path_;
+  VertexMemo memo_;
+  std::vector<TileRay> rays_;
+  std::array<std::array<double, 2>, 64> leafInterval_; // t of entry and exit by ray
+  Vec3 direction_;
+  VolumeStatistics statistics_;
+};
+
+} // namespace
+
+VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
+  const TranslucentHits* surfaces)
+{
+  tbb::combinable<VolumeStatistics> statistics;
+  const int rows = (image.height + tileWidth - 1) / tileWidth;
+  const int columns = (image.width + tileWidth - 1) / tileWidth;
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 8), [&](const auto& tiles) {
+    TileRenderer renderer(field, transferFunction, camera, settings, surfaces);
+    for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
+    {
+      for (int column = tiles.cols().begin(); column < tiles.cols().end(); ++column)
+      {
+        renderer.render(column * tileWidth, row * tileWidth, interval, image);
+      }
+    }
+    statistics.local() += renderer.statistics();
+  });
+  return statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+}
+
+} // namespace treeamr

@@ -1,0 +1,15 @@
+// The volume renderer in plain double precision, one ray and sample after the other: what the kernels are
+// tested against, and what renders fields, domains and zooms beyond single precision's comfort.
+#pragma once
+
+#include "Volume/VolumeRenderer.h"
+
+namespace treeamr
+{
+
+/// Like renderVolume(), for arguments that it has checked.
+VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
+  const TranslucentHits* surfaces = nullptr);
+
+} // namespace treeamr

@@ -1,0 +1,666 @@
+#include "vtkTreeAMRVolumeMapper.h"
+
+#include "MapperInput.h"
+#include "OnceReporter.h"
+#include "SceneConversion.h"
+#include "UnsupportedSettings.h"
+#include "VolumeSurfaces.h"
+#include "vtkTreeAMRDepthPeeling.h"
+#include "vtkTreeAMRFramebuffer.h"
+
+#include "Error.h"
+#include "Interpolation/BlockCache.h"
+#include "Volume/ErrorEstimate.h"
+#include "Volume/VolumeRenderer.h"
+
+#include "vtkCommand.h"
+#include "vtkContourValues.h"
+#include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderer.h"
+#include "vtkTable.h"
+#include "vtkTimerLog.h"
+#include "vtkTypeInt64Array.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+vtkStandardNewMacro(vtkTreeAMRVolumeMapper);
+
+namespace
+{
+
+/// What a frame did. Depth peeling draws one in many parts.
+struct Frame
+{
+  // Not dereferenced.
+  std::pair<vtkRenderer*, vtkVolume*> Of{ nullptr, nullptr };
+  int Eye = 0; // of a stereo window
+  int Pixels = 0;
+  bool Interactive = false;
+  double ImageSampleDistance = 0.;
+  double LevelOfDetail = 0.;
+  double SamplesPerCell = 0.;
+  double NextSamplesPerCell = 0.; // to meet the target, the most that any part asks for
+  double SquaredError = -1.;      // sum over the parts; negative: not estimated
+  treeamr::VolumeStatistics Counts;
+  double RayCastingSeconds = 0.;
+  double ErrorSeconds = 0.;
+  double CompositingSeconds = 0.;
+};
+
+/// Adds the wall-clock seconds of its own lifetime.
+class Stopwatch
+{
+public:
+  explicit Stopwatch(double& sum)
+    : Sum(sum)
+    , Start(vtkTimerLog::GetUniversalTime())
+  {
+  }
+  ~Stopwatch() { this->Sum += vtkTimerLog::GetUniversalTime() - this->Start; }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+  double& Sum;
+  double Start;
+};
+
+template <typename Array, typename Value>
+void addColumn(vtkTable* table, const char* name, Value value)
+{
+  vtkNew<Array> column;
+  column->SetName(name);
+  column->InsertNextValue(value);
+  table->AddColumn(column);
+}
+
+void addColumn(vtkTable* table, const char* name, std::uint64_t value)
+{
+  addColumn<vtkTypeInt64Array>(table, name, static_cast<vtkTypeInt64>(value));
+}
+
+void addColumn(vtkTable* table, const char* name, double value)
+{
+  addColumn<vtkDoubleArray>(table, name, value);
+}
+
+} // anonymous namespace
+
+//------------------------------------------------------------------------------
+struct vtkTreeAMRVolumeMapper::Internals
+{
+  vtkTreeAMRFramebuffer Framebuffer;
+  vtkTreeAMRDepthPeeling DepthPeeling;
+  treeamr::FieldSlot FieldSlot;
+  treeamr::CategorySlot CategorySlot;
+  treeamr::BoundsSlot BoundsSlot;
+  treeamr::OnceReporter Messages; // of a call of Render()
+  treeamr::SettingWarnings Warnings;
+
+  std::shared_ptr<const treeamr::Field> Field;           // that rays see
+  std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
+  vtkTimeStamp FieldTime;
+  double FieldSeconds = 0.;
+  std::unique_ptr<treeamr::BlockCache> Kept; // of this field, of this size in MiB
+  int KeptSize = 0;
+  // Of this property at this time, for this field. Without a property: transparent.
+  std::optional<treeamr::TransferFunction> TransferFunction;
+  vtkVolumeProperty* Property = nullptr; // not dereferenced
+  vtkMTimeType PropertyTime = 0;
+  vtkTimeStamp TransferFunctionTime;
+  double TransferFunctionSeconds = 0.;
+  std::array<treeamr::VolumeSurfaces, 2> Surfaces; // of the field, seen by each eye
+  vtkTimeStamp SurfaceTime;
+
+  Frame CurrentFrame;
+  // Of this field with this transfer function.
+  std::map<std::pair<vtkRenderer*, vtkVolume*>, treeamr::SampleDistanceControl> SampleDistances;
+  // That met the target in the last still frame.
+  std::map<std::pair<vtkRenderer*, vtkVolume*>, double> SamplesPerCell;
+  vtkNew<vtkTable> Statistics;
+};
+
+//------------------------------------------------------------------------------
+vtkTreeAMRVolumeMapper::vtkTreeAMRVolumeMapper()
+  : Private(std::make_unique<Internals>())
+{
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRVolumeMapper::~vtkTreeAMRVolumeMapper() = default;
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "VectorMode: " << this->VectorMode << endl;
+  os << indent << "VectorComponent: " << this->VectorComponent << endl;
+  os << indent << "SamplesPerCell: " << this->SamplesPerCell << endl;
+  os << indent << "SkipEmptySpace: " << this->SkipEmptySpace << endl;
+  os << indent << "VertexCacheSize: " << this->VertexCacheSize << endl;
+  os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << endl;
+  os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << endl;
+  os << indent << "MinimumImageSampleDistance: " << this->MinimumImageSampleDistance << endl;
+  os << indent << "MaximumImageSampleDistance: " << this->MaximumImageSampleDistance << endl;
+  os << indent << "InteractiveRenderTime: " << this->InteractiveRenderTime << endl;
+  os << indent << "LevelOfDetail: " << this->LevelOfDetail << endl;
+  os << indent << "EstimateError: " << this->EstimateError << endl;
+  os << indent << "TargetError: " << this->TargetError << endl;
+  os << indent << "ShowIsosurfaces: " << this->ShowIsosurfaces << endl;
+  os << indent << "IsosurfaceOpacityScale: " << this->IsosurfaceOpacityScale << endl;
+  os << indent << "Statistics:" << endl;
+  vtkTable* statistics = this->GetStatistics();
+  for (vtkIdType i = 0; i < statistics->GetNumberOfColumns(); ++i)
+  {
+    os << indent.GetNextIndent() << statistics->GetColumnName(i) << ": "
+       << statistics->GetValue(0, i).ToString() << endl;
+  }
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRVolumeMapper::FillInputPortInformation(int vtkNotUsed(port), vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkHyperTreeGrid");
+  return 1;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetInputData(vtkHyperTreeGrid* grid)
+{
+  this->SetInputDataInternal(0, grid);
+}
+
+//------------------------------------------------------------------------------
+vtkHyperTreeGrid* vtkTreeAMRVolumeMapper::GetHyperTreeGrid()
+{
+  return this->GetNumberOfInputConnections(0) < 1
+    ? nullptr
+    : vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(0, 0));
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
+{
+  this->Superclass::ShallowCopy(mapper);
+  if (vtkVolumeMapper* other = vtkVolumeMapper::SafeDownCast(mapper))
+  {
+    // VTK's volume mappers leave out what is theirs.
+    this->SetScalarMode(other->GetScalarMode());
+    if (other->GetArrayAccessMode() == VTK_GET_ARRAY_BY_ID)
+    {
+      this->SelectScalarArray(other->GetArrayId());
+    }
+    else
+    {
+      this->SelectScalarArray(other->GetArrayName());
+    }
+    this->SetBlendMode(other->GetBlendMode());
+    this->SetAverageIPScalarRange(other->GetAverageIPScalarRange());
+    this->SetComputeNormalFromOpacity(other->GetComputeNormalFromOpacity());
+    this->SetCropping(other->GetCropping());
+    this->SetCroppingRegionPlanes(other->GetCroppingRegionPlanes());
+    this->SetCroppingRegionFlags(other->GetCroppingRegionFlags());
+  }
+  if (vtkTreeAMRVolumeMapper* other = vtkTreeAMRVolumeMapper::SafeDownCast(mapper))
+  {
+    this->SetInputConnection(
+      other->GetNumberOfInputConnections(0) > 0 ? other->GetInputConnection(0, 0) : nullptr);
+    this->SetVectorMode(other->VectorMode);
+    this->SetVectorComponent(other->VectorComponent);
+    this->SetSamplesPerCell(other->SamplesPerCell);
+    this->SetVertexCacheSize(other->VertexCacheSize);
+    this->SetSkipEmptySpace(other->SkipEmptySpace);
+    this->SetAutoAdjustSampleDistances(other->AutoAdjustSampleDistances);
+    this->SetImageSampleDistance(other->ImageSampleDistance);
+    this->SetMinimumImageSampleDistance(other->MinimumImageSampleDistance);
+    this->SetMaximumImageSampleDistance(other->MaximumImageSampleDistance);
+    this->SetInteractiveRenderTime(other->InteractiveRenderTime);
+    this->SetLevelOfDetail(other->LevelOfDetail);
+    this->SetEstimateError(other->EstimateError);
+    this->SetTargetError(other->TargetError);
+    this->SetShowIsosurfaces(other->ShowIsosurfaces);
+    this->SetIsosurfaceOpacityScale(other->IsosurfaceOpacityScale);
+  }
+}
+
+//------------------------------------------------------------------------------
+double* vtkTreeAMRVolumeMapper::GetBounds()
+{
+  if (this->GetNumberOfInputConnections(0) > 0)
+  {
+    this->Update();
+  }
+  this->Private->BoundsSlot.get(this->GetHyperTreeGrid(), this->Bounds);
+  return this->Bounds;
+}
+
+//------------------------------------------------------------------------------
+vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
+{
+  const Internals& internals = *this->Private;
+  const Frame& frame = internals.CurrentFrame;
+  const treeamr::Field* field = internals.Field.get();
+  vtkTable* table = internals.Statistics;
+  table->Initialize();
+  addColumn(table, "Cells", field ? field->octree().leafCount() : 0);
+  addColumn(table, "OctreeBytes", field ? field->byteSize() + field->octree().byteSize() : 0);
+  addColumn(table, "KeptBytes", internals.Kept ? internals.Kept->byteSize() : 0);
+  addColumn(table, "Rays", frame.Counts.rays);
+  addColumn(table, "Nodes", frame.Counts.nodes);
+  addColumn(table, "KeptBlocks", frame.Counts.kept);
+  addColumn(table, "ReconstructedBlocks", frame.Counts.blocks);
+  addColumn(table, "ReconstructedCells", frame.Counts.cells);
+  addColumn(table, "Intervals", frame.Counts.intervals);
+  addColumn(table, "Samples", frame.Counts.samples);
+  const treeamr::VolumeSurfaces& seen = internals.Surfaces[frame.Eye];
+  const treeamr::Isosurface* surfaces = seen.engine();
+  const treeamr::IsosurfaceStatistics ofSurfaces =
+    surfaces ? surfaces->statistics() : treeamr::IsosurfaceStatistics();
+  addColumn(table, "SurfaceBytes", ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes);
+  addColumn(table, "SurfaceHits", seen.hits().image.hits.size());
+  addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
+  addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
+  addColumn(table, "SamplesPerCell", frame.SamplesPerCell);
+  addColumn(table, "EstimatedError", frame.SquaredError < 0. ? -1. : std::sqrt(frame.SquaredError));
+  addColumn(table, "FieldSeconds", internals.FieldSeconds);
+  addColumn(table, "TransferFunctionSeconds", internals.TransferFunctionSeconds);
+  addColumn(table, "RayCastingSeconds", frame.RayCastingSeconds);
+  addColumn(table, "ErrorSeconds", frame.ErrorSeconds);
+  addColumn(table, "CompositingSeconds", frame.CompositingSeconds);
+  return table;
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkTreeAMRVolumeMapper::GetFieldBuildTime()
+{
+  return this->Private->FieldTime.GetMTime();
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkTreeAMRVolumeMapper::GetTransferFunctionBuildTime()
+{
+  return this->Private->TransferFunctionTime.GetMTime();
+}
+
+//------------------------------------------------------------------------------
+vtkMTimeType vtkTreeAMRVolumeMapper::GetIsosurfaceBuildTime()
+{
+  return this->Private->SurfaceTime.GetMTime();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::CheckSettings()
+{
+  if (this->BlendMode != vtkVolumeMapper::COMPOSITE_BLEND &&
+    this->BlendMode != vtkVolumeMapper::ISOSURFACE_BLEND)
+  {
+    throw treeamr::Error("volume mapper: blend mode " + std::to_string(this->BlendMode) +
+      ", allowed are 0 (composite) and 5 (isosurface)");
+  }
+  for (const auto& [name, value] : { std::pair("image sample distance", this->ImageSampleDistance),
+         std::pair("minimum image sample distance", this->MinimumImageSampleDistance),
+         std::pair("maximum image sample distance", this->MaximumImageSampleDistance),
+         std::pair("interactive render time", this->InteractiveRenderTime),
+         std::pair("level of detail", this->LevelOfDetail), std::pair("target error", this->TargetError),
+         std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale) })
+  {
+    if (std::isnan(value)) // passes VTK's clamping
+    {
+      throw treeamr::Error(std::string("volume mapper: the ") + name + " is not a number");
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
+{
+  const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
+  this->Private->Warnings.add(treeamr::unsupportedSettings(volume, this, hasSurfaces),
+    [this](const std::string& message) { vtkWarningMacro(<< message); });
+}
+
+//------------------------------------------------------------------------------
+treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectArray()
+{
+  vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
+  if (!grid)
+  {
+    throw treeamr::Error("volume mapper: no input, needed is a vtkHyperTreeGrid");
+  }
+  treeamr::ArraySelection selection;
+  selection.name = treeamr::selectedCellArrayName(grid, this->ScalarMode, this->ArrayAccessMode,
+    this->ArrayId, this->ArrayName, treeamr::defaultCellArrayName(grid));
+  selection.component = this->VectorMode == COMPONENT ? this->VectorComponent : -1;
+  return selection;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
+{
+  const treeamr::ArraySelection selection = this->SelectArray();
+  Internals& internals = *this->Private;
+  const double start = vtkTimerLog::GetUniversalTime();
+  std::shared_ptr<const treeamr::Field> field;
+  if (this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty()))
+  {
+    internals.Categories = internals.CategorySlot.acquire(this->GetHyperTreeGrid(), selection, true);
+    field = { internals.Categories, &internals.Categories->numbers };
+  }
+  else
+  {
+    field = internals.FieldSlot.acquire(this->GetHyperTreeGrid(), selection, true);
+    internals.CategorySlot.release();
+    internals.Categories.reset();
+  }
+  const treeamr::Remark& remark = internals.FieldSlot.remark();
+  if (!remark.text.empty() && internals.Messages.isNews(remark.about))
+  {
+    vtkWarningMacro(<< remark.text);
+  }
+  if (field != internals.Field)
+  {
+    internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
+    internals.Field = field;
+    internals.Kept.reset();
+    internals.SamplesPerCell.clear();
+    internals.FieldTime.Modified();
+    internals.TransferFunction.reset();
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::ShowsVolume() const
+{
+  return this->BlendMode == vtkVolumeMapper::COMPOSITE_BLEND;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateVertexCache()
+{
+  Internals& internals = *this->Private;
+  const int size = this->ShowsVolume() && !internals.Categories ? this->VertexCacheSize : 0;
+  if (!internals.Kept || internals.KeptSize != size)
+  {
+    internals.Kept.reset(); // before the new one is allocated
+    internals.Kept =
+      std::make_unique<treeamr::BlockCache>(internals.Field->octree(), static_cast<std::size_t>(size) << 20);
+    internals.KeptSize = size;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
+{
+  Internals& internals = *this->Private;
+  vtkVolumeProperty* property = this->ShowsVolume() ? volume->GetProperty() : nullptr;
+  if (!internals.TransferFunction || internals.Property != property ||
+    internals.PropertyTime != (property ? property->GetMTime() : 0))
+  {
+    internals.TransferFunction.reset();
+    internals.SampleDistances.clear();
+    internals.TransferFunctionSeconds = 0.;
+    const Stopwatch stopwatch(internals.TransferFunctionSeconds);
+    internals.TransferFunction = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
+      : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
+                             : treeamr::convertTransferFunction(property, internals.Field->range());
+    internals.Property = property;
+    // Asking for functions that were never set has made them.
+    internals.PropertyTime = property ? property->GetMTime() : 0;
+    internals.TransferFunctionTime.Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume)
+{
+  Internals& internals = *this->Private;
+  vtkContourValues* contours = volume->GetProperty()->GetIsoSurfaceValues();
+  const int count = contours->GetNumberOfContours();
+  if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces))
+  {
+    internals.Surfaces = {};
+    if (internals.Categories)
+    {
+      internals.FieldSlot.release();
+    }
+    return;
+  }
+  if (!treeamr::isStereo(renderer))
+  {
+    internals.Surfaces[1].release();
+  }
+  const double* isovalues = contours->GetValues();
+  const std::shared_ptr<const treeamr::Field> field = internals.Categories
+    ? internals.FieldSlot.acquire(this->GetHyperTreeGrid(), this->SelectArray(), true)
+    : internals.Field;
+  if (internals.Surfaces[treeamr::eyeOf(renderer)].set(
+        field, std::vector<double>(isovalues, isovalues + count)))
+  {
+    internals.SurfaceTime.Modified();
+    internals.SampleDistances.clear();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels)
+{
+  Internals& internals = *this->Private;
+  const Frame& last = internals.CurrentFrame;
+  const auto measured = internals.SampleDistances.find(last.Of);
+  if (measured != internals.SampleDistances.end() && last.RayCastingSeconds > 0.)
+  {
+    measured->second.record(last.ImageSampleDistance, last.RayCastingSeconds / last.Pixels, last.Interactive);
+  }
+
+  Frame frame;
+  frame.Of = { renderer, volume };
+  frame.Eye = treeamr::eyeOf(renderer);
+  frame.Pixels = pixels;
+  frame.ImageSampleDistance = this->ImageSampleDistance;
+  if (this->AutoAdjustSampleDistances)
+  {
+    treeamr::SampleDistanceControl& control = internals.SampleDistances[frame.Of];
+    frame.ImageSampleDistance = this->MinimumImageSampleDistance;
+    frame.Interactive = treeamr::isInteractive(renderer);
+    if (frame.Interactive)
+    {
+      const double seconds =
+        this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : volume->GetAllocatedRenderTime();
+      frame.ImageSampleDistance =
+        control.choose(seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
+      frame.LevelOfDetail = internals.Categories ? 0. : this->LevelOfDetail;
+    }
+  }
+  frame.SamplesPerCell = this->SamplesPerCell;
+  if (!frame.Interactive && (this->EstimateError || this->TargetError > 0.))
+  {
+    frame.SquaredError = 0.;
+    if (this->TargetError > 0.)
+    {
+      const auto found = internals.SamplesPerCell.find(frame.Of);
+      frame.SamplesPerCell =
+        treeamr::ErrorTarget(found != internals.SamplesPerCell.end() ? found->second : this->SamplesPerCell)
+          .samplesPerCell();
+    }
+  }
+  internals.CurrentFrame = frame;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::CastRays(const treeamr::Camera& camera, const treeamr::DepthInterval& interval,
+  const treeamr::TranslucentHits* surfaces, bool isPart, treeamr::Image& image)
+{
+  Internals& internals = *this->Private;
+  Frame& frame = internals.CurrentFrame;
+  treeamr::VolumeSettings settings;
+  settings.samplesPerCell = frame.SamplesPerCell;
+  settings.skipEmpty = this->SkipEmptySpace || !this->ShowsVolume();
+  settings.levelOfDetailPixels = frame.LevelOfDetail;
+  const auto render = [&] {
+    const Stopwatch stopwatch(frame.RayCastingSeconds);
+    frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction, camera, interval,
+      settings, *internals.Kept, image, surfaces);
+  };
+  render();
+  if (frame.SquaredError < 0.)
+  {
+    return;
+  }
+  double squaredError = 0.;
+  treeamr::ErrorTarget target(settings.samplesPerCell);
+  const auto estimate = [&] {
+    const Stopwatch stopwatch(frame.ErrorSeconds);
+    treeamr::ErrorEstimator estimator(*internals.Field, *internals.TransferFunction, camera, interval,
+      settings, *internals.Kept, image, surfaces);
+    squaredError = std::pow(estimator.error(), 2);
+    return this->TargetError > 0. && target.update(estimator, this->TargetError);
+  };
+  constexpr int mostRepeats = 2;
+  for (int repeats = 0; estimate() && !isPart && repeats < mostRepeats; ++repeats)
+  {
+    settings.samplesPerCell = frame.SamplesPerCell = target.samplesPerCell();
+    render();
+  }
+  frame.SquaredError += squaredError;
+  if (this->TargetError > 0.)
+  {
+    frame.NextSamplesPerCell = std::max(frame.NextSamplesPerCell, target.samplesPerCell());
+    internals.SamplesPerCell[frame.Of] = frame.NextSamplesPerCell;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volume)
+{
+  Internals& internals = *this->Private;
+  Frame& frame = internals.CurrentFrame;
+  this->CheckSettings();
+  this->UpdateField(volume);
+  this->UpdateVertexCache();
+  this->UpdateTransferFunction(volume);
+  this->UpdateIsosurfaces(renderer, volume);
+  const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
+  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
+  treeamr::VolumeSurfaces& ownSurfaces = internals.Surfaces[treeamr::eyeOf(renderer)];
+
+  std::optional<treeamr::TranslucentHits> surfaces;
+  const bool peeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
+  const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
+    const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
+    vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
+    vtkTreeAMRRaySegments reduced;
+    if (!reduction.isFull())
+    {
+      const Stopwatch stopwatch(frame.CompositingSeconds);
+      reduced = pixels.Reduce(reduction);
+      result.Lengths = pixels.GetLengths();
+    }
+    const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
+    if (!rays.IsEmpty())
+    {
+      // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's
+      // scale.
+      const treeamr::Camera camera(clipFromData, reduction.width(), reduction.height());
+      const treeamr::DepthInterval interval{ rays.Begin.empty() ? nullptr : rays.Begin.data(),
+        rays.End.empty() ? nullptr : rays.End.data() };
+      if (!ownSurfaces.isEmpty() && !surfaces) // the same for the other part of the rays
+      {
+        const Stopwatch stopwatch(frame.RayCastingSeconds);
+        ownSurfaces.trace(clipFromData, reduction.width(), reduction.height(), frame.LevelOfDetail);
+        const std::vector<treeamr::Light> lights = treeamr::convertLights(renderer);
+        ownSurfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
+                            ownSurfaces.engine()->isovalues(), this->IsosurfaceOpacityScale, lights),
+          lights, treeamr::viewFromData(renderer, volume));
+        surfaces.emplace(ownSurfaces.hits());
+      }
+      this->CastRays(camera, interval, surfaces ? &*surfaces : nullptr, peeling, result.Image);
+    }
+    return result;
+  };
+
+  const int pixels = viewport.Width * viewport.Height;
+  if (peeling)
+  {
+    vtkTreeAMRRaySegments front;
+    vtkTreeAMRRaySegments back;
+    const double start = vtkTimerLog::GetUniversalTime();
+    internals.DepthPeeling.Begin(renderer, this, volume, viewport.Width, viewport.Height, front, back);
+    const double begun = vtkTimerLog::GetUniversalTime();
+    if (internals.DepthPeeling.IsFrameStart())
+    {
+      this->StartFrame(renderer, volume, pixels);
+    }
+    frame.CompositingSeconds += begun - start;
+    const vtkTreeAMRRayImage frontImage = trace(front);
+    const vtkTreeAMRRayImage backImage = trace(back);
+    const Stopwatch stopwatch(frame.CompositingSeconds);
+    internals.DepthPeeling.Draw(renderer, frontImage, backImage);
+  }
+  else
+  {
+    this->StartFrame(renderer, volume, pixels);
+    vtkTreeAMRRaySegments segments;
+    {
+      const Stopwatch stopwatch(frame.CompositingSeconds);
+      std::vector<float>& end = segments.End;
+      internals.Framebuffer.ReadDepth(renderer, viewport, end);
+      // Nothing in the way: the renderer need not look at each ray's end.
+      if (std::all_of(end.begin(), end.end(), [](float depth) { return depth == 1.f; }))
+      {
+        end.clear();
+      }
+    }
+    const vtkTreeAMRRayImage image = trace(segments);
+    const Stopwatch stopwatch(frame.CompositingSeconds);
+    internals.Framebuffer.DrawOver(renderer, image);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
+{
+  if (renderer->GetSelector())
+  {
+    return; // as if there were no volume
+  }
+  this->WarnOfSettings(volume);
+  this->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
+  vtkNew<vtkTimerLog> timer;
+  timer->StartTimer();
+  try
+  {
+    this->RenderVolume(renderer, volume);
+  }
+  catch (const std::exception& error)
+  {
+    const char* const message = treeamr::describe(error);
+    if (this->Private->Messages.isNews(message))
+    {
+      vtkErrorMacro(<< message);
+    }
+  }
+  this->Private->Messages.endRound();
+  timer->StopTimer();
+  this->TimeToDraw = timer->GetElapsedTime();
+  this->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  this->Private->Framebuffer.ReleaseGraphicsResources(window);
+  this->Private->DepthPeeling.ReleaseGraphicsResources(window);
+}

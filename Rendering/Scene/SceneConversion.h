@@ -1,0 +1,60 @@
+// VTK's cameras, lights and properties in the core's terms. Private to the module.
+#pragma once
+
+#include "Field/Field.h"
+#include "Field/TransferFunction.h"
+#include "Geometry/Camera.h"
+#include "Surface/Shading.h"
+#include "VolumeSurfaces.h"
+
+#include <vector>
+
+class vtkDataArray;
+class vtkProp3D;
+class vtkProperty;
+class vtkRenderer;
+class vtkVolumeProperty;
+
+namespace treeamr
+{
+
+/// Data coordinates to those of the view, where the eye is at the origin and looks along -z, and to clip
+/// space with z from -1 to 1: by the matrices that VTK's own mappers draw with, of the eye whose picture a
+/// stereo window draws. Throw Error for a camera that does not belong to OpenGL.
+Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop);
+Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop);
+
+/// Whether its window draws a picture for each eye.
+bool isStereo(vtkRenderer* renderer);
+/// 1 while a stereo window draws the picture of the right eye, else 0.
+int eyeOf(vtkRenderer* renderer);
+
+/// Whether the window wants frames at a rate rather than the best picture.
+bool isInteractive(vtkRenderer* renderer);
+
+/// The lights that are switched on, in view coordinates.
+std::vector<Light> convertLights(vtkRenderer* renderer);
+/// Whether the property wants light and there is any: else VTK shows ambient and diffuse colours as they are.
+bool isLit(vtkProperty* property, const std::vector<Light>& lights);
+/// Of what is not lit everything is in the ambient term.
+Material convertMaterial(vtkProperty* property, bool lit);
+
+/// A table of the property's colours and scalar opacities (component 0) for values of dataRange, its entries
+/// spent on the part of it that the functions distinguish. Throws Error for a unit distance that is not
+/// positive.
+TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange);
+
+/// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
+/// nothing in between.
+bool hasCategories(vtkVolumeProperty* property);
+/// For the numbers of these values, which the property has the colours of, as VTK colours surfaces by them,
+/// and opacities. Throws Error as convertTransferFunction().
+TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values);
+
+/// How VTK's own volume mapper shows the surfaces of isovalues: the functions at the isovalue give colour and
+/// opacity, whatever the unit distance; without shading the colour is all there is, and with it but without
+/// light what polygons show. Opacities are multiplied by opacityScale, up to 1.
+std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,
+  const std::vector<double>& isovalues, double opacityScale, const std::vector<Light>& lights);
+
+} // namespace treeamr
