@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build configure setup demo check check-sanitizers bench bench-vs report report-brief install clean
+.PHONY: build configure setup demo check check-sanitizers bench bench-vs compare-frames report report-brief install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -71,6 +71,14 @@ $(BENCH)/%.p8est: | build
 PEER_FORESTS = sphere-0.3M mandelbulb-2.6M-8
 bench-vs: bench $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH)
+
+# What must not change a picture has not: the frames of this build beside those of OTHER, a build of another commit,
+# equal to the bit or by TOLERANCE a channel at most. A few minutes.
+TOLERANCE = 0
+compare-frames: build $(FORESTS:%=$(BENCH)/%.p8est)
+	$(OTHER)/bin/treeamr-frames write $(BENCH)/frames-other $(BENCH)
+	$(BUILD)/bin/treeamr-frames write $(BENCH)/frames $(BENCH)
+	$(BUILD)/bin/treeamr-frames compare $(BENCH)/frames $(BENCH)/frames-other $(TOLERANCE)
 
 # Error against run time, stiff and extreme cases, ParaView's routes: all measured afresh, under an hour on two cores.
 REPORT = $(BUILD)/report
