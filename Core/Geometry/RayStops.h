@@ -1,0 +1,79 @@
+// Where along a pixel's ray what is drawn begins, ends and changes: window depths, clipping planes, cropping
+// regions, a box. Each is kept as what it is, a plane as a plane and not as its place on a
+// million rays, and met ray by ray when a renderer asks: so fewer rays than pixels, the other eye of a stereo
+// window and single pixels have the same stops, and what is absent takes neither time nor memory.
+#pragma once
+
+#include "Geometry/Camera.h"
+#include "Octree/RootGrid.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace treeamr
+{
+
+/// Points p of data coordinates with normal . p >= offset.
+struct HalfSpace
+{
+  Vec3 normal; // of any length; 0 has all points or, with a positive offset, none
+  double offset;
+};
+
+/// Two planes across each axis of data coordinates make 27 regions, each shown or hidden: those of
+/// vtkVolumeMapper.
+struct CroppingRegions
+{
+  std::array<double, 6> planes; // lower and upper x, y, z
+  /// Bit x + 3 y + 9 z; 0 is below the lower plane, 1 between the two, 2 above the upper one.
+  std::uint32_t shown;
+
+  bool shows(const Vec3& point) const noexcept;
+};
+
+/// The drawn parts of one ray: half-open intervals of t, ascending, apart from each other, none of them empty.
+struct RayParts
+{
+  /// A ray crosses six cropping planes at most, and every other one of its seven parts is shown.
+  static constexpr int most = 4;
+  int count = 0;
+  std::array<double, most> begin;
+  std::array<double, most> end;
+
+  void add(double from, double to) noexcept
+  {
+    begin[count] = from;
+    end[count++] = to;
+  }
+};
+
+/// The stops of an image's rays. Without any of these everything between the near and the far plane is drawn.
+struct RayStops
+{
+  /// The part of each ray in window depths [0, 1]: nothing where begin >= end. Null stands for 0 or 1 everywhere;
+  /// else width * height entries, lower left first. Not owned.
+  const float* beginDepth = nullptr;
+  const float* endDepth = nullptr;
+  /// What is in all of them is drawn.
+  std::vector<HalfSpace> halfSpaces;
+  std::optional<CroppingRegions> cropping;
+
+  /// Draws what is in the box alone.
+  void addBox(const Bounds& box);
+  /// Whether places of data coordinates are cut away.
+  bool cutsData() const noexcept { return !halfSpaces.empty() || cropping; }
+
+  /// What is left of a ray's [begin, end) by the half spaces and cropping regions. The direction may have any length:
+  /// t counts in it. The end may be infinite.
+  RayParts cut(const Vec3& origin, const Vec3& direction, double begin, double end) const noexcept;
+  /// The drawn parts of camera.ray(x, y), between the depths, too.
+  RayParts parts(const Camera& camera, const Ray& ray, int x, int y) const noexcept;
+
+  /// Throws Error, on behalf of `user`, for planes that are not finite.
+  void check(const char* user) const;
+};
+
+} // namespace treeamr
