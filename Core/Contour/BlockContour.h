@@ -65,11 +65,12 @@ private:
   struct Leaf
   {
     bool ghost;
-    std::uint32_t inner;             // masks of entries of its neighbourhood: refined,
-    std::uint32_t same;              // leaves of its size,
-    std::uint32_t coarse;            // parts of coarser leaves,
-    std::uint32_t ghosts;            // and of these, ghosts
-    std::array<std::uint8_t, 27> up; // levels to the coarse
+    // Masks of entries of its neighbourhood:
+    std::uint32_t inner;             // inner nodes
+    std::uint32_t same;              // leaves of its size
+    std::uint32_t coarse;            // parts of coarser leaves
+    std::uint32_t ghosts;            // parts of coarser leaves that are ghosts
+    std::array<std::uint8_t, 27> up; // levels from it to the coarser leaf of each entry
   };
   /// An octant or a dual cell.
   struct Piece
@@ -111,7 +112,7 @@ private:
   double isovalue_;
   bool gradients_;
   bool noneMissing_; // cells of the domain
-  int finestDepth_;  // of octants
+  int finestDepth_;  // of the finest octants
   BlockEvaluator evaluator_;
 
   // Of the current block.

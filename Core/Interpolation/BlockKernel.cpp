@@ -25,7 +25,7 @@ using Floats = hn::Vec<FloatTag>;
 
 constexpr int doubles = hn::MaxLanes(DoubleTag());
 constexpr int floats = hn::MaxLanes(FloatTag());
-constexpr int valueCount = 125;
+constexpr int valueCount = block::vertexCount;
 /// Where a row of five takes this room, no vector crosses from one row into the next.
 constexpr int rowRoom = 8;
 
@@ -169,20 +169,21 @@ void meansBetween(const std::array<double, 72>& places, std::array<double, 128>&
   HWY_DYNAMIC_DISPATCH(MeansBetween)(places.data(), values.data());
 }
 
-Range roundValues(const std::array<double, 128>& values, std::array<float, 125>& rounded) noexcept
+Range roundValues(
+  const std::array<double, 128>& values, std::array<float, block::vertexCount>& rounded) noexcept
 {
   return HWY_DYNAMIC_DISPATCH(RoundValues)(values.data(), rounded.data());
 }
 
-Range hull(const std::array<float, 125>& values) noexcept
+Range hull(const std::array<float, block::vertexCount>& values) noexcept
 {
   return HWY_DYNAMIC_DISPATCH(Hull)(values.data());
 }
 
-void quantise(const std::array<float, 125>& values, Range hull, float last,
+void quantise(const std::array<float, block::vertexCount>& values, Range hull, float last,
   std::array<std::uint16_t, 128>& steps) noexcept
 {
-  steps[125] = steps[126] = steps[127] = 0;
+  std::fill(steps.begin() + block::vertexCount, steps.end(), std::uint16_t(0));
   HWY_DYNAMIC_DISPATCH(Quantise)(values.data(), hull, last, steps.data());
 }
 

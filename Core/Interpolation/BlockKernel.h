@@ -1,8 +1,9 @@
-// The parts of block values that go over all 125 of them, vectorised with Highway and compiled once for each
+// The parts of block values that go over all of a block, vectorised with Highway and compiled once for each
 // instruction set, with the same bits on all; the best is chosen when the program runs.
 #pragma once
 
 #include "Field/RangeCode.h"
+#include "Interpolation/BlockLattice.h"
 
 #include <array>
 #include <cstdint>
@@ -16,12 +17,13 @@ namespace treeamr
 void meansBetween(const std::array<double, 72>& places, std::array<double, 128>& values) noexcept;
 
 /// To single precision; returns their hull.
-Range roundValues(const std::array<double, 128>& values, std::array<float, 125>& rounded) noexcept;
+Range roundValues(
+  const std::array<double, 128>& values, std::array<float, block::vertexCount>& rounded) noexcept;
 
-Range hull(const std::array<float, 125>& values) noexcept;
+Range hull(const std::array<float, block::vertexCount>& values) noexcept;
 
 /// In whole steps from 0 to `last` across their hull, to the nearest. The hull's width must be finite.
-void quantise(const std::array<float, 125>& values, Range hull, float last,
+void quantise(const std::array<float, block::vertexCount>& values, Range hull, float last,
   std::array<std::uint16_t, 128>& steps) noexcept;
 
 } // namespace treeamr

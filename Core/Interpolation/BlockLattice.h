@@ -14,6 +14,19 @@
 namespace treeamr::block
 {
 
+/// Of places, vertices and children along an edge, and of all.
+inline constexpr int placesPerEdge = 4;
+inline constexpr int verticesPerEdge = 5;
+inline constexpr int placeCount = placesPerEdge * placesPerEdge * placesPerEdge;
+inline constexpr int vertexCount = verticesPerEdge * verticesPerEdge * verticesPerEdge;
+inline constexpr int childCount = 8 * placeCount;
+
+/// By axis the places that are not the last along it, and the two in the middle.
+inline constexpr std::array<std::uint64_t, 3> lowerPlaces{ 0x7777777777777777, 0x0fff0fff0fff0fff,
+  0x0000ffffffffffff };
+inline constexpr std::array<std::uint64_t, 3> innerPlaces{ 0x6666666666666666, 0x0ff00ff00ff00ff0,
+  0x0000ffffffff0000 };
+
 /// For each mask of axes, of the vertices that lie between places along these alone: the bit of the place p that is
 /// the first around each.
 using VertexMask = std::array<std::uint64_t, 8>;
@@ -56,18 +69,18 @@ inline bool isEmpty(const VertexMask& mask) noexcept
 
 constexpr int placeIndex(int x, int y, int z)
 {
-  return x + 4 * y + 16 * z;
+  return x + placesPerEdge * (y + placesPerEdge * z);
 }
 
 /// Among the children of all places.
 constexpr int childIndex(int x, int y, int z)
 {
-  return x + 8 * y + 64 * z;
+  return x + 2 * placesPerEdge * (y + 2 * placesPerEdge * z);
 }
 
 constexpr int vertexIndex(int x, int y, int z)
 {
-  return x + 5 * y + 25 * z;
+  return x + verticesPerEdge * (y + verticesPerEdge * z);
 }
 
 /// First child of a place.
@@ -105,15 +118,15 @@ constexpr int childBefore(unsigned axes, int place)
 
 struct Tables
 {
-  std::array<std::uint8_t, 64> childrenOfPlace{}; // that touch any vertex
-  std::array<std::uint8_t, 64> halfVertex{};      // half the index of the even vertex 2 p
-  std::array<VertexMask, 8> ofChild{};            // a child's own vertices
+  std::array<std::uint8_t, placeCount> childrenOfPlace{}; // masks of those that touch any vertex
+  std::array<std::uint8_t, placeCount> halfVertex{};      // half the index of the even vertex 2 p
+  std::array<VertexMask, 8> ofChild{};                    // a child's own vertices
 };
 
 constexpr Tables makeTables()
 {
   Tables t{};
-  for (int place = 0; place < 64; ++place)
+  for (int place = 0; place < placeCount; ++place)
   {
     const std::array<int, 3> at{ place & 3, place >> 2 & 3, place >> 4 };
     t.halfVertex[place] = static_cast<std::uint8_t>(vertexIndex(at[0], at[1], at[2]));
@@ -171,17 +184,15 @@ void forEachPlace(std::uint64_t places, const F& f) noexcept
 
 inline VertexMask verticesTouching(std::uint64_t places) noexcept
 {
-  // Of four places along an axis, three vertices lie between, and two are the middle of the inner ones.
-  constexpr std::array<std::uint64_t, 3> lower{ 0x7777777777777777, 0x0fff0fff0fff0fff, 0x0000ffffffffffff };
-  constexpr std::array<std::uint64_t, 3> inner{ 0x6666666666666666, 0x0ff00ff00ff00ff0, 0x0000ffffffff0000 };
+  // Along an axis three vertices lie between places, and two in the middle of the inner ones.
   VertexMask mask;
   mask[0] = places;
   for (int a = 0; a < 3; ++a)
   {
     for (int axes = 0; axes < 1 << a; ++axes)
     {
-      mask[axes | 1 << a] = (mask[axes] | mask[axes] >> (1 << 2 * a)) & lower[a];
-      mask[axes] &= inner[a];
+      mask[axes | 1 << a] = (mask[axes] | mask[axes] >> (1 << 2 * a)) & lowerPlaces[a];
+      mask[axes] &= innerPlaces[a];
     }
   }
   return mask;
@@ -198,10 +209,8 @@ inline VertexMask verticesOf(unsigned children) noexcept
 /// The places and those that share a vertex of the block with one.
 inline std::uint64_t withNeighbours(std::uint64_t places) noexcept
 {
-  constexpr std::uint64_t lowerX = 0x7777777777777777;
-  constexpr std::uint64_t lowerY = 0x0fff0fff0fff0fff;
-  places |= (places & lowerX) << 1 | (places >> 1 & lowerX);
-  places |= (places & lowerY) << 4 | (places >> 4 & lowerY);
+  places |= (places & lowerPlaces[0]) << 1 | (places >> 1 & lowerPlaces[0]);
+  places |= (places & lowerPlaces[1]) << 4 | (places >> 4 & lowerPlaces[1]);
   return places | places << 16 | places >> 16;
 }
 
@@ -211,18 +220,22 @@ constexpr int firstEntry(int octant)
   return placeIndex(octant & 1, octant >> 1 & 1, octant >> 2);
 }
 
+/// The places of the neighbourhood that begins at place 0: three along each axis.
+inline constexpr std::uint64_t neighbourhoodPlaces = 0x077707770777;
+
 /// The 3 x 3 x 3 places that are the neighbourhood of a child.
 inline std::uint64_t entriesOf(std::uint64_t places, int octant) noexcept
 {
-  return places >> firstEntry(octant) & 0x077707770777;
+  return places >> firstEntry(octant) & neighbourhoodPlaces;
 }
 
 /// The places of a node's level that the entries of its neighbourhood cover.
 inline std::uint64_t placesOf(std::uint64_t entries) noexcept
 {
+  // Axis by axis, of three entries the first two are covered by the first two places, the last two by the last.
   const std::uint64_t x = (entries & 0x033303330333) | (entries & 0x066606660666) << 1;
   const std::uint64_t xy = (x & 0x00ff00ff00ff) | (x & 0x0ff00ff00ff0) << 4;
-  return (xy & 0xffffffff) | (xy & 0xffffffff0000) << 16;
+  return (xy & 0x0000ffffffff) | (xy & 0xffffffff0000) << 16;
 }
 
 /// First of the children of a level's places that are the places of a child's level.
@@ -238,6 +251,7 @@ inline std::uint64_t placesOf(const std::array<std::uint64_t, 8>& children, int 
   std::uint64_t places = 0;
   for (int z = 0; z < 4; ++z)
   {
+    // Four rows of four bits in eight are packed into sixteen bits.
     std::uint64_t rows = children[(first >> 6) + z] >> (first & 63) & 0x0f0f0f0f;
     rows = (rows | rows >> 4) & 0x00ff00ff;
     places |= ((rows | rows >> 8) & 0xffff) << 16 * z;

@@ -435,7 +435,7 @@ Range BlockEvaluator::bounds(const BlockPath& path) noexcept
   if ((level.refined | level.coarse | level.none) == 0)
   {
     meansBetween(level.value, values_);
-    std::array<float, 125> rounded;
+    std::array<float, vertexCount> rounded;
     return roundValues(values_, rounded);
   }
   fill(level, level.refined);
@@ -463,10 +463,10 @@ namespace
 
 /// The middle of a drawn child stands in for what is not drawn, so that the hull is that of the rest.
 template <class T>
-void fillUndrawn(std::array<T, 125>& values, unsigned drawn) noexcept
+void fillUndrawn(std::array<T, vertexCount>& values, unsigned drawn) noexcept
 {
   const int octant = std::countr_zero(drawn);
-  const T value = values[31 + 2 * (octant & 1) + 10 * (octant >> 1 & 1) + 50 * (octant >> 2)];
+  const T value = values[vertexIndex(1 + 2 * (octant & 1), 1 + 2 * (octant >> 1 & 1), 1 + 2 * (octant >> 2))];
   const VertexMask others = without(verticesOf(0xff), verticesOf(drawn));
   forAxes([&]<unsigned Axes>() noexcept {
     forEachPlace(others[Axes], [&](int place) { values[vertexOf(Axes, place)] = value; });
@@ -487,7 +487,7 @@ void BlockEvaluator::compute(const BlockPath& path, BlockCells cells, BlockValue
 }
 
 void BlockEvaluator::computeUnrounded(
-  const BlockPath& path, BlockCells cells, std::array<double, 125>& values) noexcept
+  const BlockPath& path, BlockCells cells, std::array<double, vertexCount>& values) noexcept
 {
   evaluate(path, cells);
   std::copy_n(values_.begin(), values.size(), values.begin());

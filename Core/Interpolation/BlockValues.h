@@ -19,7 +19,7 @@ struct BlockValues
 {
   /// Order x + 5 y + 25 z with x, y, z in 0 to 4 half widths of a child from the node's lower corner.
   /// Vertices that no drawn child has hold some value of the range.
-  std::array<float, 125> values;
+  std::array<float, block::vertexCount> values;
   Range range; // hull of the drawn children's vertex values
 };
 
@@ -84,7 +84,8 @@ public:
   /// Needs a drawn child.
   void compute(const BlockPath& path, BlockCells cells, BlockValues& block) noexcept;
   /// The values before they are rounded to float.
-  void computeUnrounded(const BlockPath& path, BlockCells cells, std::array<double, 125>& values) noexcept;
+  void computeUnrounded(
+    const BlockPath& path, BlockCells cells, std::array<double, block::vertexCount>& values) noexcept;
   /// Contains the hull of a node with leaves among its children, for a fraction of the time: the hull where all
   /// cells around are of one size, otherwise that of the values that take part.
   Range bounds(const BlockPath& path) noexcept;
@@ -95,22 +96,24 @@ private:
   struct Level
   {
     std::uint64_t node = noNode;
-    std::uint64_t refined;     // inner nodes,
-    std::uint64_t mixed;       // of these, not all of whose children are leaves,
-    std::uint64_t coarse;      // parts of coarser leaves,
-    std::uint64_t none;        // places without a cell,
-    std::uint64_t missing;     // and these with cells of which a child that matters is missing
+    std::uint64_t refined;     // places that are inner nodes
+    std::uint64_t mixed;       // refined places not all of whose children are leaves
+    std::uint64_t coarse;      // places that are parts of coarser leaves
+    std::uint64_t none;        // places without a cell
+    std::uint64_t missing;     // places without a cell or without a child that matters
     std::uint64_t filled;      // places whose childValue is known
-    bool deep;                 // some of the coarse are coarser than the node
-    block::VertexMask hanging; // vertices that touch the coarse
-    block::VertexMask known;   // of
-    std::array<double, 125> special;
-    std::array<double, 72> value; // of leaves of any size, means of the refined; the last eight: room
-    std::array<Octree::Children, 64> children; // of the refined
+    bool deep;                 // whether some coarse leaf is coarser than the node
+    block::VertexMask hanging; // vertices that touch a coarse place
+    block::VertexMask known;   // vertices whose value is in `special`
+    std::array<double, block::vertexCount> special;
+    /// Of a leaf of any size its value, of a refined place its mean; then room for eight.
+    std::array<double, block::placeCount + 8> value;
+    std::array<Octree::Children, block::placeCount> children; // of refined places
     /// Values of the places' children, x + 8 y + 64 z; a leaf's are its own, 0 where there is no cell.
-    std::array<double, 512> childValue;
-    std::array<std::uint64_t, 8> childInner; // masks by z: refined ones of refined places,
-    std::array<std::uint64_t, 8> childNone;  // no cell
+    std::array<double, block::childCount> childValue;
+    // A mask for each z of the places' children:
+    std::array<std::uint64_t, 8> childInner; // inner nodes in refined places
+    std::array<std::uint64_t, 8> childNone;  // children without a cell
   };
   static constexpr std::uint64_t noNode = ~std::uint64_t(0);
 
@@ -128,10 +131,10 @@ private:
 
   const Field& field_;
   const Octree& octree_;
-  std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node; the first: above the root
+  std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node; the first is above the root
   Level byMeans_;
-  unsigned drawn_;                 // children whose vertices are wanted
-  std::array<double, 128> values_; // 125 and room
+  unsigned drawn_;                                    // children whose vertices are wanted
+  std::array<double, block::vertexCount + 3> values_; // with room for whole vectors
 };
 
 } // namespace treeamr

@@ -383,7 +383,7 @@ struct Isosurface::Impl
     const double& limit, const Visit& visit, const GoesOn& goesOn) const
   {
     // How far from zero a value may be on the seam of two octants that is zero on it.
-    const double tolerance = record.tolerance + record.hull() * placeError(planes, query);
+    const double tolerance = record.tolerance + record.width() * placeError(planes, query);
     walkBlock(planes, record.active, query.ray, query.tEnter, query.tLeave, limit,
       [&](const OctantCrossing& crossing) {
         for (std::uint32_t surface = 0; surface < blocks.isovalues().size(); ++surface)

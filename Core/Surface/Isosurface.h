@@ -4,6 +4,7 @@
 
 #include "Field/Field.h"
 #include "Geometry/Camera.h"
+#include "MemoryBudget.h"
 
 #include <array>
 #include <cstddef>
@@ -57,7 +58,7 @@ struct IsosurfaceStatistics
 class Isosurface
 {
 public:
-  static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
+  static constexpr std::size_t defaultKeptBytes = treeamr::defaultKeptBytes;
   static constexpr int allCellDepths = Octree::maxDepth;
 
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over

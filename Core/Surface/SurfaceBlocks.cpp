@@ -257,13 +257,13 @@ void SurfaceBlocks::findActiveOctants(SurfaceRecord& record, unsigned drawn) con
   record.active = active & octants;
   // An octant that is narrower by far has its digits in the double precision of the block, but not in its tolerance.
   constexpr double mixed = 0x1p-20;
-  double narrowest = record.hull();
+  double narrowest = record.width();
   for (std::uint64_t rest = record.active; rest != 0; rest &= rest - 1)
   {
     const int o = std::countr_zero(rest);
     narrowest = std::min(narrowest, high[o] - low[o]);
   }
-  record.signedHull = std::copysign(record.signedHull, narrowest < mixed * record.hull() ? -1. : 1.);
+  record.signedWidth = std::copysign(record.signedWidth, narrowest < mixed * record.width() ? -1. : 1.);
 }
 
 void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceRecord& record) const noexcept
@@ -290,7 +290,7 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
     }
   }
   const auto [low, high] = std::minmax_element(record.values.begin(), record.values.end());
-  record.signedHull = *high - *low;
+  record.signedWidth = *high - *low;
   // Isovalues that pass through are no larger.
   record.tolerance = SurfaceRecord::rounding * std::max(std::abs(*low), std::abs(*high));
   findActiveOctants(record, drawn);

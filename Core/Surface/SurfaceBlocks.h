@@ -77,14 +77,14 @@ struct alignas(64) SurfaceRecord
   std::array<double, 125> values; // order of BlockValues
   std::uint64_t active;           // octants x + 4 y + 16 z of drawn leaves that an isovalue passes through
   double tolerance;               // bound of the rounding errors of interpolated values
-  double signedHull;              // see hull() and isMixed()
+  double signedWidth;             // see width() and isMixed()
 
   /// Of the tolerance, to the largest value.
   static constexpr double rounding = 0x1p-49;
   /// Largest less least value.
-  double hull() const noexcept { return std::abs(signedHull); }
-  /// Whether some octant's values differ so little beside the hull that the tolerance is too wide for it.
-  bool isMixed() const noexcept { return signedHull < 0.; }
+  double width() const noexcept { return std::abs(signedWidth); }
+  /// Whether some octant's values differ so little beside the width that the tolerance is too wide for it.
+  bool isMixed() const noexcept { return signedWidth < 0.; }
 
   /// Announces that it will be read.
   void prefetch() const noexcept

@@ -160,7 +160,7 @@ void CrossBlock(const SurfaceRecord& record, const BlockPlanes& planes, std::spa
       continue;
     }
     const Doubles tolerance = hn::Add(set(record.tolerance),
-      hn::Mul(hn::Mul(set(record.hull()), hn::LoadU(d, &rays.rounding[begin])), set(perWidth)));
+      hn::Mul(hn::Mul(set(record.width()), hn::LoadU(d, &rays.rounding[begin])), set(perWidth)));
     for (int a = 0; a < 3; ++a)
     {
       Axis& axis = axes[a];

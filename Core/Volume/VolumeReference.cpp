@@ -23,9 +23,6 @@ constexpr int tileWidth = 8;
 using RayMask = std::uint64_t;
 static_assert(tileWidth * tileWidth == 64, "one bit per ray");
 
-/// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
-constexpr float opaqueTransmittance = 1.f / 1024.f;
-
 struct TileRay
 {
   SlabRay slab;

@@ -5,6 +5,7 @@
 #include "Field/TransferFunction.h"
 #include "Geometry/Camera.h"
 #include "Geometry/Image.h"
+#include "MemoryBudget.h"
 #include "Surface/Isosurface.h"
 
 #include <array>
@@ -33,6 +34,9 @@ struct TranslucentHits
   const std::vector<std::array<float, 4>>& rgba; // in the order of the hits
 };
 
+/// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
+inline constexpr float opaqueTransmittance = 1.f / 1024.f;
+
 struct VolumeSettings
 {
   /// Samples along a cell's width, up to the maximum, where the transfer function varies in the cell; fewer
@@ -48,7 +52,7 @@ struct VolumeSettings
   double levelOfDetailPixels = 0.;
 
   /// Budget of a BlockCache that suits most scenes.
-  static constexpr std::size_t defaultKeptBytes = std::size_t(512) << 20;
+  static constexpr std::size_t defaultKeptBytes = treeamr::defaultKeptBytes;
 };
 
 /// What a frame did.

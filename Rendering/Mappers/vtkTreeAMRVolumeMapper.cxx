@@ -135,7 +135,8 @@ struct vtkTreeAMRVolumeMapper::Internals
 
 //------------------------------------------------------------------------------
 vtkTreeAMRVolumeMapper::vtkTreeAMRVolumeMapper()
-  : Private(std::make_unique<Internals>())
+  : VertexCacheSize(static_cast<int>(treeamr::defaultKeptBytes >> 20))
+  , Private(std::make_unique<Internals>())
 {
 }
 

@@ -219,7 +219,7 @@ protected:
   int VectorComponent = 0;
   double SamplesPerCell = 2.;
   bool SkipEmptySpace = true;
-  int VertexCacheSize = 512;
+  int VertexCacheSize; // defaultKeptBytes
   bool AutoAdjustSampleDistances = true;
   double ImageSampleDistance = 1.;
   double MinimumImageSampleDistance = 1.;

@@ -61,7 +61,7 @@ void forEachRenderer(const Field& field, const TransferFunction& transferFunctio
 }
 
 /// The largest relative error of opacity and colours over all renderers; `depth` is the optical depth along a ray,
-/// and the colour is everywhere that of the table's first entry. Rays end when 1/1024 of the light is left.
+/// and the colour is everywhere that of the table's first entry. Rays end when opaqueTransmittance is left.
 double relativeError(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const std::function<double(const Ray&)>& depth)
 {
@@ -74,7 +74,7 @@ double relativeError(const Field& field, const TransferFunction& transferFunctio
       const std::array<double, 4> expected{ alpha * entry.r, alpha * entry.g, alpha * entry.b, alpha };
       for (int c = 0; c < 4; ++c)
       {
-        const double rest = alpha > 1023. / 1024. ? expected[c] / 1024. : 0.;
+        const double rest = alpha > 1. - opaqueTransmittance ? expected[c] * opaqueTransmittance : 0.;
         const double error = std::max(std::abs(image.rgba[4 * i + c] - expected[c]) - rest, 0.) / expected[c];
         largest = error <= largest ? largest : error; // NaN counts
       }

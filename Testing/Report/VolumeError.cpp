@@ -222,7 +222,7 @@ VolumeStatistics march(const Sampler& sampler, const DataSet& data, const Camera
       }
       std::array<double, 3> color{};
       double transmittance = 1.;
-      for (double t = begin + 0.5 * step; t < end && transmittance > 1. / 1024.; t += step)
+      for (double t = begin + 0.5 * step; t < end && transmittance > opaqueTransmittance; t += step)
       {
         FieldSample sample;
         ++samples.local();

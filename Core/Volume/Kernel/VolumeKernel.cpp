@@ -33,8 +33,7 @@ static_assert(volumeTileWidth * volumeTileWidth == tileRays);
 /// Bit g: group g.
 using GroupMask = std::uint32_t;
 
-/// As in the reference: a ray with less light left is done.
-constexpr float opaque = 1.f - 1.f / 1024.f;
+constexpr float opaque = 1.f - opaqueTransmittance;
 constexpr float finished = -std::numeric_limits<float>::max();
 
 /// CommonOrigin: all rays start at the scene's reference.
@@ -520,7 +519,7 @@ private:
         }
         if (!hasValues)
         {
-          if (!find(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
+          if (!prepareBlock(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
           {
             wanted &= ~children.leaf;
             continue;
@@ -583,8 +582,8 @@ private:
   /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
   bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * scene_.table.last); }
 
-  /// False when nothing of it is visible.
-  bool find(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
+  /// Finds the values of a node's children or computes and keeps them. False when nothing of them is visible.
+  bool prepareBlock(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
   {
     const BlockCache::Found found = scene_.kept.find(node, cells);
     Range range = found.range;
@@ -666,7 +665,7 @@ private:
   void visitBlock(std::uint64_t node, BlockCells cells, const Box& box, GroupMask active)
   {
     Block block;
-    if (find(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
+    if (prepareBlock(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
     {
       integrate(block, box, Lattice(box), active);
     }
