@@ -147,7 +147,7 @@ RayParts RayStops::parts(const Camera& camera, const Ray& ray, int x, int y) con
     : RayParts();
 }
 
-void RayStops::check(const char* user) const
+void RayStops::check(const Camera& camera, const char* user) const
 {
   const std::string name(user);
   for (const HalfSpace& half : halfSpaces)
@@ -165,6 +165,21 @@ void RayStops::check(const char* user) const
     {
       throw Error(name + ": cropping plane " + std::to_string(i) + " is not a number");
     }
+  }
+  if (!hits)
+  {
+    return;
+  }
+  const std::size_t needed = static_cast<std::size_t>(camera.width()) * camera.height() + 1;
+  if (hits->first.size() != needed)
+  {
+    throw Error(name + ": surface hits in " + std::to_string(hits->first.size()) +
+      " entries by pixel, needed are " + std::to_string(needed));
+  }
+  if (hits->first.back() != hits->hits.size())
+  {
+    throw Error(name + ": " + std::to_string(hits->hits.size()) +
+      " surface hits, where the entries by pixel end at " + std::to_string(hits->first.back()));
   }
 }
 

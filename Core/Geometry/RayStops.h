@@ -1,5 +1,5 @@
 // Where along a pixel's ray what is drawn begins, ends and changes: window depths, clipping planes, cropping
-// regions, a box. Each is kept as what it is, a plane as a plane and not as its place on a
+// regions, a box, translucent surfaces. Each is kept as what it is, a plane as a plane and not as its place on a
 // million rays, and met ray by ray when a renderer asks: so fewer rays than pixels, the other eye of a stereo
 // window and single pixels have the same stops, and what is absent takes neither time nor memory.
 #pragma once
@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace treeamr
@@ -32,6 +33,21 @@ struct CroppingRegions
   std::uint32_t shown;
 
   bool shows(const Vec3& point) const noexcept;
+};
+
+/// A translucent surface on a ray.
+struct TranslucentHit
+{
+  double t;                  // as Camera::ray() counts
+  std::array<float, 4> rgba; // not premultiplied; opacity in [0, 1]
+};
+
+/// Those on all of a camera's rays, nearest first: of pixel p = x + width * y, lower left first,
+/// hits[first[p]] up to hits[first[p + 1]]. Does not own them.
+struct TranslucentHits
+{
+  std::span<const std::size_t> first;
+  std::span<const TranslucentHit> hits;
 };
 
 /// The drawn parts of one ray: half-open intervals of t, ascending, apart from each other, none of them empty.
@@ -60,7 +76,12 @@ struct RayStops
   /// What is in all of them is drawn.
   std::vector<HalfSpace> halfSpaces;
   std::optional<CroppingRegions> cropping;
+  /// Surfaces between which the volume lies, shown where it would be. A part of a ray has those from its begin up
+  /// to, but without, its end.
+  std::optional<TranslucentHits> hits;
 
+  /// Of depths alone.
+  static RayStops depths(const float* begin, const float* end) { return { begin, end, {}, {}, {} }; }
   /// Draws what is in the box alone.
   void addBox(const Bounds& box);
   /// Whether places of data coordinates are cut away.
@@ -72,8 +93,9 @@ struct RayStops
   /// The drawn parts of camera.ray(x, y), between the depths, too.
   RayParts parts(const Camera& camera, const Ray& ray, int x, int y) const noexcept;
 
-  /// Throws Error, on behalf of `user`, for planes that are not finite.
-  void check(const char* user) const;
+  /// Throws Error, on behalf of `user`, for planes that are not finite and hits that are not those of an image of the
+  /// camera's size.
+  void check(const Camera& camera, const char* user) const;
 };
 
 } // namespace treeamr

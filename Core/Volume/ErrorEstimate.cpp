@@ -59,15 +59,14 @@ float expectedError(const Image& frame, const PixelGroup& group)
 } // namespace
 
 ErrorEstimator::ErrorEstimator(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
-  const Image& frame, const TranslucentHits* surfaces)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept,
+  const Image& frame)
   : field_(field)
   , transferFunction_(transferFunction)
   , camera_(camera)
-  , interval_(interval)
+  , stops_(stops)
   , settings_(settings)
   , kept_(kept)
-  , surfaces_(surfaces)
 {
   if (frame.width != camera.width() || frame.height != camera.height())
   {
@@ -147,7 +146,7 @@ std::vector<float> ErrorEstimator::render(double samplesPerCell) const
   std::vector<float> rgba(groups_.size() * PixelGroup::rgbaSize);
   VolumeSettings settings = settings_;
   settings.samplesPerCell = samplesPerCell;
-  renderPixelGroups(field_, transferFunction_, camera_, interval_, settings, kept_, groups_, rgba, surfaces_);
+  renderPixelGroups(field_, transferFunction_, camera_, stops_, settings, kept_, groups_, rgba);
   return rgba;
 }
 

@@ -27,8 +27,7 @@ public:
   /// The frame is one that renderVolume() has filled, the other arguments are those it was given: all but the frame
   /// must outlive this. The same result on any number of threads. Throws Error as renderVolume().
   ErrorEstimator(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept, const Image& frame,
-    const TranslucentHits* surfaces = nullptr);
+    const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, const Image& frame);
 
   /// Of the frame.
   double error() const noexcept { return error_; }
@@ -45,10 +44,9 @@ private:
   const Field& field_;
   const TransferFunction& transferFunction_;
   const Camera& camera_;
-  const DepthInterval& interval_;
+  const RayStops& stops_;
   VolumeSettings settings_;
   BlockCache& kept_;
-  const TranslucentHits* surfaces_;
   std::vector<PixelGroup> groups_;
   std::vector<double> weights_;  // by group: of its squared errors in those of the image
   std::vector<float> converged_; // by group, as renderPixelGroups() gives it

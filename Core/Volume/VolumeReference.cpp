@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <span>
 #include <vector>
 
 namespace treeamr
@@ -26,13 +28,10 @@ static_assert(tileWidth * tileWidth == 64, "one bit per ray");
 struct TileRay
 {
   SlabRay slab;
-  double begin;
-  double end;
+  RayParts parts;
   double transmittance;
   std::array<double, 4> color; // and opacity: one minus the transmittance has no digits for faint things
-  std::size_t nextHit;
-  std::size_t endOfHits;
-  double last; // t where the ray ends, `end` being where it meets the next hit
+  std::span<const TranslucentHit> hits; // to come
 };
 
 /// The field inside a leaf from its 27 vertex values.
@@ -77,17 +76,17 @@ class TileRenderer
 {
 public:
   TileRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const VolumeSettings& settings, const TranslucentHits* surfaces)
+    const RayStops& stops, const VolumeSettings& settings)
     : field_(field)
     , transferFunction_(transferFunction)
     , camera_(camera)
+    , stops_(stops)
     , settings_(settings)
-    , surfaces_(surfaces)
     , path_(field.octree())
   {
   }
 
-  void render(int x0, int y0, const DepthInterval& interval, Image& image)
+  void render(int x0, int y0, Image& image)
   {
     rays_.clear();
     RayMask active = 0;
@@ -97,34 +96,31 @@ public:
     {
       for (int x = x0; x < x1; ++x)
       {
-        const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
-        const double begin = interval.begin ? interval.begin[pixel] : 0.;
-        const double end = interval.end ? interval.end[pixel] : 1.;
         const Ray ray = camera_.ray(x, y);
-        TileRay tileRay{ SlabRay(ray), 0., 0., 1., {}, 0, 0, 0. };
+        TileRay tileRay{ SlabRay(ray), stops_.parts(camera_, ray, x, y), 1., {}, {} };
         tileRay.slab.enterUpperFaces(field_.octree().grid().bounds());
-        if (begin < end)
+        if (stops_.hits)
         {
-          tileRay.begin = camera_.tFromDepth(ray, begin);
-          tileRay.end = camera_.tFromDepth(ray, end);
-          if (surfaces_)
-          {
-            findHits(tileRay, pixel);
-          }
+          const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+          const std::size_t first = stops_.hits->first[pixel];
+          tileRay.hits = stops_.hits->hits.subspan(first, stops_.hits->first[pixel + 1] - first);
+        }
+        if (tileRay.parts.count > 0)
+        {
           active |= RayMask(1) << rays_.size();
         }
         rays_.push_back(tileRay);
       }
     }
     direction_ = rays_.front().slab.direction;
-    while (active != 0)
+    path_.reset();
+    if (active != 0 && !path_.node().isNone())
     {
-      path_.reset();
-      if (!path_.node().isNone())
-      {
-        visit(active, field_.range());
-      }
-      active = surfaces_ ? crossSurfaces() : 0;
+      visit(active, field_.range());
+    }
+    for (TileRay& ray : rays_)
+    {
+      crossHits(ray, std::numeric_limits<double>::infinity());
     }
     for (int y = y0, r = 0; y < y1; ++y)
     {
@@ -140,54 +136,40 @@ public:
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
-  void findHits(TileRay& ray, std::size_t pixel) const noexcept
+  /// Takes a ray across its hits before `end`; those that are not in its parts are left out.
+  static void crossHits(TileRay& ray, double end) noexcept
   {
-    const auto& hits = surfaces_->image.hits;
-    ray.last = ray.end;
-    ray.nextHit = surfaces_->image.first[pixel];
-    ray.endOfHits = surfaces_->image.first[pixel + 1];
-    while (ray.nextHit != ray.endOfHits && hits[ray.nextHit].t < ray.begin)
+    for (; !ray.hits.empty() && ray.hits.front().t < end; ray.hits = ray.hits.subspan(1))
     {
-      ++ray.nextHit;
-    }
-    while (ray.nextHit != ray.endOfHits && !(hits[ray.endOfHits - 1].t < ray.end))
-    {
-      --ray.endOfHits;
-    }
-    ray.end = endOfLayer(ray);
-  }
-
-  double endOfLayer(const TileRay& ray) const noexcept
-  {
-    return ray.nextHit != ray.endOfHits ? surfaces_->image.hits[ray.nextHit].t : ray.last;
-  }
-
-  /// Takes each ray across the hit it has come to; those that go on behind it.
-  RayMask crossSurfaces() noexcept
-  {
-    RayMask active = 0;
-    for (std::size_t r = 0; r < rays_.size(); ++r)
-    {
-      TileRay& ray = rays_[r];
-      if (ray.nextHit == ray.endOfHits || !(ray.transmittance > opaqueTransmittance))
+      const TranslucentHit& hit = ray.hits.front();
+      bool isDrawn = false;
+      for (int i = 0; i < ray.parts.count; ++i)
       {
-        ray.nextHit = ray.endOfHits;
+        isDrawn = isDrawn || (hit.t >= ray.parts.begin[i] && hit.t < ray.parts.end[i]);
+      }
+      if (!isDrawn || !(ray.transmittance > opaqueTransmittance))
+      {
         continue;
       }
-      const std::array<float, 4>& rgba = surfaces_->rgba[ray.nextHit];
-      const double weight = ray.transmittance * rgba[3];
+      const double weight = ray.transmittance * hit.rgba[3];
       for (int c = 0; c < 3; ++c)
       {
-        ray.color[c] += weight * rgba[c];
+        ray.color[c] += weight * hit.rgba[c];
       }
       ray.color[3] += weight;
       ray.transmittance -= weight;
-      ray.begin = ray.end;
-      ++ray.nextHit;
-      ray.end = endOfLayer(ray);
-      active |= RayMask(1) << r;
     }
-    return active;
+  }
+
+  /// Whether a ray's [t0, t1) has something to draw.
+  static bool meetsParts(const TileRay& ray, double t0, double t1) noexcept
+  {
+    bool meets = false;
+    for (int i = 0; i < ray.parts.count; ++i)
+    {
+      meets = meets || std::max(t0, ray.parts.begin[i]) < std::min(t1, ray.parts.end[i]);
+    }
+    return meets;
   }
 
   /// parent: the parent's range, of use when empty nodes are skipped.
@@ -208,10 +190,11 @@ private:
     for (RayMask rest = active; rest != 0; rest &= rest - 1)
     {
       const int r = std::countr_zero(rest);
-      TileRay& ray = rays_[r];
-      double t0 = ray.begin;
-      double t1 = ray.end;
-      if (ray.transmittance > opaqueTransmittance && ray.slab.clip(box.min, box.max, t0, t1))
+      const TileRay& ray = rays_[r];
+      double t0 = ray.parts.begin[0];
+      double t1 = ray.parts.end[ray.parts.count - 1];
+      if (ray.transmittance > opaqueTransmittance && ray.slab.clip(box.min, box.max, t0, t1) &&
+        meetsParts(ray, t0, t1))
       {
         crossing |= RayMask(1) << r;
         leafInterval_[r] = { t0, t1 };
@@ -279,7 +262,28 @@ private:
     for (; crossing != 0; crossing &= crossing - 1)
     {
       const int r = std::countr_zero(crossing);
-      integrate(rays_[r], leafInterval_[r], box, halfWidths, leafField);
+      integrateParts(rays_[r], leafInterval_[r], box, halfWidths, leafField);
+    }
+  }
+
+  /// From stop to stop.
+  void integrateParts(TileRay& ray, const std::array<double, 2>& interval, const Bounds& box,
+    const std::array<double, 3>& halfWidths, const LeafField& leafField) noexcept
+  {
+    for (int i = 0; i < ray.parts.count; ++i)
+    {
+      double begin = std::max(interval[0], ray.parts.begin[i]);
+      const double end = std::min(interval[1], ray.parts.end[i]);
+      while (begin < end)
+      {
+        crossHits(ray, std::nextafter(begin, end)); // that are passed
+        const double stop = ray.hits.empty() ? end : std::min(end, ray.hits.front().t);
+        if (ray.transmittance > opaqueTransmittance)
+        {
+          integrate(ray, { begin, stop }, box, halfWidths, leafField);
+        }
+        begin = stop;
+      }
     }
   }
 
@@ -323,8 +327,8 @@ private:
   const Field& field_;
   const TransferFunction& transferFunction_;
   const Camera& camera_;
+  const RayStops& stops_;
   const VolumeSettings& settings_;
-  const TranslucentHits* surfaces_; // null: none
   TreePath path_;
   VertexMemo memo_;
   std::vector<TileRay> rays_;
@@ -336,19 +340,18 @@ private:
 } // namespace
 
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
-  const TranslucentHits* surfaces)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image)
 {
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + tileWidth - 1) / tileWidth;
   const int columns = (image.width + tileWidth - 1) / tileWidth;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 8), [&](const auto& tiles) {
-    TileRenderer renderer(field, transferFunction, camera, settings, surfaces);
+    TileRenderer renderer(field, transferFunction, camera, stops, settings);
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
       for (int column = tiles.cols().begin(); column < tiles.cols().end(); ++column)
       {
-        renderer.render(column * tileWidth, row * tileWidth, interval, image);
+        renderer.render(column * tileWidth, row * tileWidth, image);
       }
     }
     statistics.local() += renderer.statistics();

@@ -9,7 +9,6 @@ namespace treeamr
 
 /// Like renderVolume(), for arguments that it has checked.
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
-  const TranslucentHits* surfaces = nullptr);
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image);
 
 } // namespace treeamr

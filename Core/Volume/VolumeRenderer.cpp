@@ -31,7 +31,7 @@ void check(const Camera& camera, const Image& image)
 }
 
 void check(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const VolumeSettings& settings, const TranslucentHits* surfaces = nullptr)
+  const RayStops& stops, const VolumeSettings& settings)
 {
   const Range values = field.range();
   if (transferFunction.hasCategories() &&
@@ -51,15 +51,7 @@ void check(const Field& field, const TransferFunction& transferFunction, const C
   {
     throw Error("volume: the field has no node ranges to skip by");
   }
-  if (surfaces)
-  {
-    checkPixels(surfaces->image, camera, "volume");
-  }
-  if (surfaces && surfaces->rgba.size() != surfaces->image.hits.size())
-  {
-    throw Error("volume: " + std::to_string(surfaces->rgba.size()) + " colours for " +
-      std::to_string(surfaces->image.hits.size()) + " surface hits");
-  }
+  stops.check(camera, "volume");
 }
 
 void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<const float> rgba)
@@ -264,11 +256,10 @@ void fillTable(VolumeKernelScene& scene)
 
 /// Without its table.
 VolumeKernelScene makeScene(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
-  Image* image, const TranslucentHits* surfaces = nullptr)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, Image* image)
 {
-  VolumeKernelScene scene{ field, transferFunction, camera, interval, settings, kept, image, surfaces, {}, {},
-    {}, 0., 1., 1., {}, {}, 0., 0. };
+  VolumeKernelScene scene{ field, transferFunction, camera, stops, settings, kept, image, {}, {}, {}, 0., 1.,
+    1., {}, {}, 0., 0. };
   place(scene);
   measurePixels(scene);
   return scene;
@@ -291,8 +282,8 @@ void visitPixels(const PixelGroup& group, const Camera& camera, float* rgba, con
 
 /// A whole image in which all other rays have no part.
 void renderGroupsByReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings,
-  std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings,
+  std::span<const PixelGroup> groups, std::span<float> rgba)
 {
   Image image(camera.width(), camera.height());
   std::vector<float> begin(image.rgba.size() / 4, 1.f);
@@ -303,9 +294,11 @@ void renderGroupsByReference(const Field& field, const TransferFunction& transfe
         [&](int x, int y, float* out) { visit(static_cast<std::size_t>(y) * image.width + x, out); });
     }
   };
-  visitAll([&](std::size_t pixel, float*) { begin[pixel] = interval.begin ? interval.begin[pixel] : 0.f; });
-  renderVolumeReference(
-    field, transferFunction, camera, { begin.data(), interval.end }, settings, image, surfaces);
+  visitAll(
+    [&](std::size_t pixel, float*) { begin[pixel] = stops.beginDepth ? stops.beginDepth[pixel] : 0.f; });
+  RayStops ofGroups = stops;
+  ofGroups.beginDepth = begin.data();
+  renderVolumeReference(field, transferFunction, camera, ofGroups, settings, image);
   std::fill(rgba.begin(), rgba.end(), 0.f);
   visitAll([&](std::size_t pixel, float* out) { std::copy_n(image.rgba.data() + 4 * pixel, 4, out); });
 }
@@ -313,17 +306,15 @@ void renderGroupsByReference(const Field& field, const TransferFunction& transfe
 } // namespace
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
-  Image& image, const TranslucentHits* surfaces)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, Image& image)
 {
   check(camera, image);
-  check(field, transferFunction, camera, settings, surfaces);
+  check(field, transferFunction, camera, stops, settings);
   kept.startFrame(field);
-  VolumeKernelScene scene =
-    makeScene(field, transferFunction, camera, interval, settings, kept, &image, surfaces);
+  VolumeKernelScene scene = makeScene(field, transferFunction, camera, stops, settings, kept, &image);
   if (!fitsKernel(field, transferFunction) || !resolves(scene))
   {
-    return renderVolumeReference(field, transferFunction, camera, interval, settings, image, surfaces);
+    return renderVolumeReference(field, transferFunction, camera, stops, settings, image);
   }
   fillTable(scene);
   if (settings.levelOfDetailPixels > 0. && !scene.features.categories)
@@ -346,26 +337,24 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
 }
 
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
-  const TranslucentHits* surfaces)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image)
 {
   // For this frame only: tiles share the leaves on their borders.
   BlockCache kept(field.octree(), VolumeSettings::defaultKeptBytes);
-  return renderVolume(field, transferFunction, camera, interval, settings, kept, image, surfaces);
+  return renderVolume(field, transferFunction, camera, stops, settings, kept, image);
 }
 
 void renderPixelGroups(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
-  std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces)
+  const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, std::span<const PixelGroup> groups,
+  std::span<float> rgba)
 {
-  check(field, transferFunction, camera, settings, surfaces);
+  check(field, transferFunction, camera, stops, settings);
   check(camera, groups, rgba);
   kept.startFrame(field);
-  VolumeKernelScene scene =
-    makeScene(field, transferFunction, camera, interval, settings, kept, nullptr, surfaces);
+  VolumeKernelScene scene = makeScene(field, transferFunction, camera, stops, settings, kept, nullptr);
   if (!fitsKernel(field, transferFunction) || !resolves(scene))
   {
-    renderGroupsByReference(field, transferFunction, camera, interval, settings, groups, rgba, surfaces);
+    renderGroupsByReference(field, transferFunction, camera, stops, settings, groups, rgba);
     return;
   }
   fillTable(scene);
@@ -382,11 +371,11 @@ void renderPixelGroups(const Field& field, const TransferFunction& transferFunct
 VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const VolumeSettings& settings, int repeats, Image& image)
 {
+  const RayStops stops;
   check(camera, image);
-  check(field, transferFunction, camera, settings);
+  check(field, transferFunction, camera, stops, settings);
   BlockCache none(field.octree(), 0);
-  const DepthInterval interval;
-  VolumeKernelScene scene = makeScene(field, transferFunction, camera, interval, settings, none, &image);
+  VolumeKernelScene scene = makeScene(field, transferFunction, camera, stops, settings, none, &image);
   fillTable(scene);
   const auto& entries = scene.table.entries;
   std::size_t faintest = 0;

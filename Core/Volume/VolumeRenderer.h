@@ -5,34 +5,16 @@
 #include "Field/TransferFunction.h"
 #include "Geometry/Camera.h"
 #include "Geometry/Image.h"
+#include "Geometry/RayStops.h"
 #include "MemoryBudget.h"
-#include "Surface/Isosurface.h"
 
-#include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace treeamr
 {
 
 class BlockCache;
-
-/// The part of each pixel's ray to render, in window depths [0, 1]; nothing where begin >= end.
-/// A null pointer stands for 0 (begin) or 1 (end) everywhere. width * height entries, lower left first.
-struct DepthInterval
-{
-  const float* begin = nullptr;
-  const float* end = nullptr;
-};
-
-/// Translucent surfaces inside a volume: the hits of all of the camera's rays, each with its colour (not
-/// premultiplied) and opacity in [0, 1]. A part of a ray has those from its begin up to, but without, its end.
-struct TranslucentHits
-{
-  const HitImage& image;
-  const std::vector<std::array<float, 4>>& rgba; // in the order of the hits
-};
 
 /// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
 inline constexpr float opaqueTransmittance = 1.f / 1024.f;
@@ -84,13 +66,13 @@ struct VolumeStatistics
 };
 
 /// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds
-/// what the next frame need not compute again. Between surfaces (null: none) the volume is integrated from hit to
-/// hit, with no sample across one. The field needs its node ranges if settings.skipEmpty. Throws Error when the
-/// image's size or that of the hits is not the camera's, `kept` is another field's, the settings are not finite and
-/// positive or a value is none of the transfer function's categories.
+/// what the next frame need not compute again. A ray is integrated from stop to stop, with no sample across one; what
+/// the stops hide from all rays is not visited. The field needs its node ranges if settings.skipEmpty. Throws Error
+/// when the image's size or that of the stops is not the camera's, `kept` is another field's, the settings are not
+/// finite and positive or a value is none of the transfer function's categories.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
-  Image& image, const TranslucentHits* surfaces = nullptr);
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept,
+  Image& image);
 
 /// 4 x 4 neighbouring pixels.
 struct PixelGroup
@@ -105,8 +87,8 @@ struct PixelGroup
 /// row from the lower left as in Image; pixels beyond the image are 0. Neighbours in the list that are neighbours in
 /// the image, too, cost less. Throws Error as renderVolume(), and for a group outside the image.
 void renderPixelGroups(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const DepthInterval& interval, const VolumeSettings& settings, BlockCache& kept,
-  std::span<const PixelGroup> groups, std::span<float> rgba, const TranslucentHits* surfaces = nullptr);
+  const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, std::span<const PixelGroup> groups,
+  std::span<float> rgba);
 
 /// For benchmarks: takes the camera's rays through a block of the transfer function's faintest value `repeats`
 /// times, on this thread, with the tree walk and the memory of vertex values left out: what an interval, a step
@@ -115,7 +97,6 @@ VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& t
   const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
 /// The same as renderVolume() above for a single frame.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings, Image& image,
-  const TranslucentHits* surfaces = nullptr);
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image);
 
 } // namespace treeamr

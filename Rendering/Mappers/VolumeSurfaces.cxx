@@ -53,7 +53,7 @@ void VolumeSurfaces::trace(const Matrix4& clipFromData, int width, int height, d
 void VolumeSurfaces::light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights,
   const Matrix4& viewFromData)
 {
-  rgba_.resize(hits_.hits.size());
+  lit_.resize(hits_.hits.size());
   const SurfaceFrame frame(viewFromData);
   const auto width = static_cast<std::size_t>(camera_->width());
   const tbb::blocked_range<std::size_t> pixels(0, hits_.first.size() - 1, pixelsPerTask);
@@ -75,7 +75,7 @@ void VolumeSurfaces::light(const std::vector<SurfaceMaterial>& materials, const 
         const std::array<float, 3> rgb =
           shade(surface.material, lights, point, frame.shadingNormal(hit.gradient, hit.normal, side),
             normalized({ -point[0], -point[1], -point[2] }));
-        rgba_[i] = { rgb[0], rgb[1], rgb[2], surface.opacity };
+        lit_[i] = { hit.t, { rgb[0], rgb[1], rgb[2], surface.opacity } };
       }
     }
   });

@@ -4,9 +4,9 @@
 
 #include "SurfaceLevels.h"
 
+#include "Geometry/RayStops.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Shading.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <array>
 #include <memory>
@@ -41,7 +41,7 @@ public:
   void light(const std::vector<SurfaceMaterial>& materials, const std::vector<Light>& lights,
     const Matrix4& viewFromData);
   /// Valid until the next call of any other member.
-  TranslucentHits hits() const noexcept { return { hits_, rgba_ }; }
+  TranslucentHits hits() const noexcept { return { hits_.first, lit_ }; }
 
 private:
   SurfaceLevels levels_;
@@ -49,7 +49,7 @@ private:
   std::optional<Camera> camera_; // of the hits
   Matrix4 clipFromData_{};
   HitImage hits_;
-  std::vector<std::array<float, 4>> rgba_;
+  std::vector<TranslucentHit> lit_;
 };
 
 } // namespace treeamr

@@ -271,7 +271,7 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   const treeamr::IsosurfaceStatistics ofSurfaces =
     surfaces ? surfaces->statistics() : treeamr::IsosurfaceStatistics();
   addColumn(table, "SurfaceBytes", ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes);
-  addColumn(table, "SurfaceHits", seen.hits().image.hits.size());
+  addColumn(table, "SurfaceHits", seen.hits().hits.size());
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
   addColumn(table, "SamplesPerCell", frame.SamplesPerCell);
@@ -501,8 +501,8 @@ void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::CastRays(const treeamr::Camera& camera, const treeamr::DepthInterval& interval,
-  const treeamr::TranslucentHits* surfaces, bool isPart, treeamr::Image& image)
+void vtkTreeAMRVolumeMapper::CastRays(
+  const treeamr::Camera& camera, const treeamr::RayStops& stops, bool isPart, treeamr::Image& image)
 {
   Internals& internals = *this->Private;
   Frame& frame = internals.CurrentFrame;
@@ -512,8 +512,8 @@ void vtkTreeAMRVolumeMapper::CastRays(const treeamr::Camera& camera, const treea
   settings.levelOfDetailPixels = frame.LevelOfDetail;
   const auto render = [&] {
     const Stopwatch stopwatch(frame.RayCastingSeconds);
-    frame.Counts += treeamr::renderVolume(*internals.Field, *internals.TransferFunction, camera, interval,
-      settings, *internals.Kept, image, surfaces);
+    frame.Counts += treeamr::renderVolume(
+      *internals.Field, *internals.TransferFunction, camera, stops, settings, *internals.Kept, image);
   };
   render();
   if (frame.SquaredError < 0.)
@@ -524,8 +524,8 @@ void vtkTreeAMRVolumeMapper::CastRays(const treeamr::Camera& camera, const treea
   treeamr::ErrorTarget target(settings.samplesPerCell);
   const auto estimate = [&] {
     const Stopwatch stopwatch(frame.ErrorSeconds);
-    treeamr::ErrorEstimator estimator(*internals.Field, *internals.TransferFunction, camera, interval,
-      settings, *internals.Kept, image, surfaces);
+    treeamr::ErrorEstimator estimator(
+      *internals.Field, *internals.TransferFunction, camera, stops, settings, *internals.Kept, image);
     squaredError = std::pow(estimator.error(), 2);
     return this->TargetError > 0. && target.update(estimator, this->TargetError);
   };
@@ -557,7 +557,7 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
   treeamr::VolumeSurfaces& ownSurfaces = internals.Surfaces[treeamr::eyeOf(renderer)];
 
-  std::optional<treeamr::TranslucentHits> surfaces;
+  treeamr::RayStops stops;
   const bool peeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
   const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
     const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
@@ -575,9 +575,9 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
       // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's
       // scale.
       const treeamr::Camera camera(clipFromData, reduction.width(), reduction.height());
-      const treeamr::DepthInterval interval{ rays.Begin.empty() ? nullptr : rays.Begin.data(),
-        rays.End.empty() ? nullptr : rays.End.data() };
-      if (!ownSurfaces.isEmpty() && !surfaces) // the same for the other part of the rays
+      stops.beginDepth = rays.Begin.empty() ? nullptr : rays.Begin.data();
+      stops.endDepth = rays.End.empty() ? nullptr : rays.End.data();
+      if (!ownSurfaces.isEmpty() && !stops.hits) // the same for the other part of the rays
       {
         const Stopwatch stopwatch(frame.RayCastingSeconds);
         ownSurfaces.trace(clipFromData, reduction.width(), reduction.height(), frame.LevelOfDetail);
@@ -585,9 +585,9 @@ void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
         ownSurfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
                             ownSurfaces.engine()->isovalues(), this->IsosurfaceOpacityScale, lights),
           lights, treeamr::viewFromData(renderer, volume));
-        surfaces.emplace(ownSurfaces.hits());
+        stops.hits = ownSurfaces.hits();
       }
-      this->CastRays(camera, interval, surfaces ? &*surfaces : nullptr, peeling, result.Image);
+      this->CastRays(camera, stops, peeling, result.Image);
     }
     return result;
   };

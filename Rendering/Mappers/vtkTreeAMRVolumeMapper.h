@@ -43,9 +43,8 @@ namespace treeamr
 {
 struct ArraySelection;
 class Camera;
-struct DepthInterval;
 struct Image;
-struct TranslucentHits;
+struct RayStops;
 } // namespace treeamr
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRVolumeMapper : public vtkVolumeMapper
@@ -243,8 +242,8 @@ private:
   void UpdateTransferFunction(vtkVolume* volume);
   void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);
   void StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels);
-  void CastRays(const treeamr::Camera& camera, const treeamr::DepthInterval& interval,
-    const treeamr::TranslucentHits* surfaces, bool isPart, treeamr::Image& image);
+  void CastRays(
+    const treeamr::Camera& camera, const treeamr::RayStops& stops, bool isPart, treeamr::Image& image);
   void RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
 
   std::unique_ptr<Internals> Private;

@@ -102,13 +102,12 @@ public:
   }
 
 private:
-  std::vector<float> volume(const Camera& camera, const DepthInterval& interval = {}, double means = 0.,
-    const TranslucentHits* surfaces = nullptr)
+  std::vector<float> volume(const Camera& camera, const RayStops& stops = {}, double means = 0.)
   {
     VolumeSettings settings;
     settings.levelOfDetailPixels = means;
     Image image(camera.width(), camera.height());
-    renderVolume(*field_, scene_.transferFunction, camera, interval, settings, kept_, image, surfaces);
+    renderVolume(*field_, scene_.transferFunction, camera, stops, settings, kept_, image);
     return numbers(image);
   }
 
@@ -128,19 +127,21 @@ private:
         end[pixel] = static_cast<float>(y % 50 < 10 ? 0.f : camera.depthFromT(ray, 1.5 + 0.001 * y));
       }
     }
-    return volume(camera, { begin.data(), end.data() });
+    return volume(camera, RayStops::depths(begin.data(), end.data()));
   }
 
   std::vector<float> surfaces(const Camera& camera)
   {
     const HitImage image = hits(camera);
-    std::vector<std::array<float, 4>> rgba;
+    std::vector<TranslucentHit> translucent;
     for (const SurfaceHit& hit : image.hits)
     {
-      rgba.push_back({ std::abs(hit.normal[0]), std::abs(hit.normal[1]), std::abs(hit.normal[2]), 0.3f });
+      translucent.push_back(
+        { hit.t, { std::abs(hit.normal[0]), std::abs(hit.normal[1]), std::abs(hit.normal[2]), 0.3f } });
     }
-    const TranslucentHits translucent{ image, rgba };
-    return volume(camera, {}, 0., &translucent);
+    RayStops stops;
+    stops.hits = { image.first, translucent };
+    return volume(camera, stops);
   }
 
   HitImage hits(const Camera& camera)

@@ -382,13 +382,18 @@ TEST_F(AllocationFailureTest, volume)
   const Isosurface surface(field_, { 0.8, 1.1 });
   HitImage hits;
   surface.render(camera_, SurfaceLayers::All, hits);
-  const std::vector<std::array<float, 4>> rgba(hits.hits.size(), { 0.1f, 0.7f, 0.2f, 0.3f });
-  const TranslucentHits surfaces{ hits, rgba };
+  std::vector<TranslucentHit> translucent;
+  for (const SurfaceHit& hit : hits.hits)
+  {
+    translucent.push_back({ hit.t, { 0.1f, 0.7f, 0.2f, 0.3f } });
+  }
+  RayStops surfaces;
+  surfaces.hits = { hits.first, translucent };
   const auto draw = [&](BlockCache& kept, double levelOfDetail) {
     VolumeSettings settings;
     settings.levelOfDetailPixels = levelOfDetail;
     Image image(camera_.width(), camera_.height());
-    renderVolume(*field_, colors, camera_, {}, settings, kept, image, &surfaces);
+    renderVolume(*field_, colors, camera_, surfaces, settings, kept, image);
     return Result(image.rgba.begin(), image.rgba.end());
   };
   expectRecovery([&] {

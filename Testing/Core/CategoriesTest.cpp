@@ -4,6 +4,7 @@
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 #include "Volume/ErrorEstimate.h"
@@ -284,7 +285,7 @@ TEST(Categories, SettingsOfTheReconstructionChangeNoBit)
     }
     EXPECT_EQ(kept.byteSize(), before);
     // Nothing is sampled, so nothing is missed.
-    const DepthInterval whole;
+    const RayStops whole;
     const VolumeSettings settings;
     ErrorEstimator estimator(*field, transferFunction, camera, whole, settings, kept, image);
     EXPECT_EQ(estimator.error(), 0.);
@@ -299,9 +300,7 @@ TEST(Categories, SurfacesCutTheLeaves)
   const TransferFunction transferFunction = TransferFunction::ofCategories(entries(5, 2.f));
   for (const Camera& camera : cameras())
   {
-    HitImage hits;
-    std::vector<std::array<float, 4>> rgba;
-    hits.first.push_back(0);
+    PixelHits hits;
     for (int i = 0; i < width * height; ++i)
     {
       const Ray ray = camera.ray(i % width, i / width);
@@ -312,17 +311,16 @@ TEST(Categories, SurfacesCutTheLeaves)
       }
       for (const double beyond : { -0.3, 0.1 })
       {
-        hits.hits.push_back({ toMiddle + beyond, {}, {}, 0, 0, 0 });
-        rgba.push_back({ 0.2f, 0.5f, 1.f, 0.3f });
+        hits.add(toMiddle + beyond, { 0.2f, 0.5f, 1.f, 0.3f });
       }
-      hits.first.push_back(hits.hits.size());
+      hits.endPixel();
     }
-    const TranslucentHits surfaces{ hits, rgba };
+    const RayStops surfaces = hits.stops();
     Image expected(width, height);
-    renderVolumeReference(*field, transferFunction, camera, {}, {}, expected, &surfaces);
+    renderVolumeReference(*field, transferFunction, camera, surfaces, {}, expected);
     forEachTarget([&](const char* target) {
       Image image(width, height);
-      renderVolume(*field, transferFunction, camera, {}, {}, image, &surfaces);
+      renderVolume(*field, transferFunction, camera, surfaces, {}, image);
       for (std::size_t i = 0; i < image.rgba.size(); ++i)
       {
         ASSERT_NEAR(image.rgba[i], expected.rgba[i], rounding) << target;

@@ -5,6 +5,7 @@
 #include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Volume/VolumeReference.h"
 
@@ -81,26 +82,25 @@ struct Frame
   const TransferFunction& transferFunction;
   Camera camera;
   VolumeSettings settings;
-  DepthInterval interval{};
-  const TranslucentHits* surfaces = nullptr;
+  RayStops stops{};
   BlockCache kept{ field.octree(), VolumeSettings::defaultKeptBytes };
 
   Image render()
   {
     Image image(width, height);
-    renderVolume(field, transferFunction, camera, interval, settings, kept, image, surfaces);
+    renderVolume(field, transferFunction, camera, stops, settings, kept, image);
     return image;
   }
   ErrorEstimator estimator(const Image& image)
   {
-    return { field, transferFunction, camera, interval, settings, kept, image, surfaces };
+    return { field, transferFunction, camera, stops, settings, kept, image };
   }
   Image converged() const
   {
     Image image(width, height);
     VolumeSettings fine = settings;
     fine.samplesPerCell = convergedSamples;
-    renderVolumeReference(field, transferFunction, camera, interval, fine, image, surfaces);
+    renderVolumeReference(field, transferFunction, camera, stops, fine, image);
     return image;
   }
 };
@@ -175,9 +175,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
       // ray.
       std::vector<float> begin(width * height, 0.f);
       std::vector<float> end(width * height, 1.f);
-      HitImage hits;
-      std::vector<std::array<float, 4>> rgba;
-      hits.first.push_back(0);
+      PixelHits hits;
       for (std::size_t pixel = 0; pixel < begin.size(); ++pixel)
       {
         const auto x = static_cast<int>(pixel) % width;
@@ -189,12 +187,10 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
           end[pixel] = static_cast<float>(std::clamp(camera.depthFromT(ray, middle + 0.3), 0., 1.));
         }
         begin[pixel] = y > 3 * height / 4 ? 1.f : 0.f;
-        hits.hits.push_back({ middle, {}, {}, 0, 0, 0 });
-        rgba.push_back({ uniform(random), 0.5f, 0.2f, 0.3f });
-        hits.first.push_back(hits.hits.size());
+        hits.add(middle, { uniform(random), 0.5f, 0.2f, 0.3f });
+        hits.endPixel();
       }
-      const TranslucentHits surfaces{ hits, rgba };
-      Frame frame{ *field, transferFunction, camera, {}, { begin.data(), end.data() }, &surfaces };
+      Frame frame{ *field, transferFunction, camera, {}, hits.stops(begin.data(), end.data()) };
       const Image image = frame.render();
       score.add(frame.estimator(image).error(), rmse(image, frame.converged()));
     }
@@ -246,14 +242,14 @@ TEST(ErrorEstimate, OnePixelIsEstimated)
     multiply(perspective(5., 0.1, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 1, 1);
   BlockCache kept(field->octree(), 0);
   Image image(1, 1);
-  const DepthInterval interval;
+  const RayStops stops;
   VolumeSettings settings;
-  renderVolume(*field, haze, camera, interval, settings, kept, image);
+  renderVolume(*field, haze, camera, stops, settings, kept, image);
   Image finer(1, 1);
   VolumeSettings more;
   more.samplesPerCell = 8.;
-  renderVolume(*field, haze, camera, interval, more, kept, finer);
-  const ErrorEstimator estimator(*field, haze, camera, interval, settings, kept, image);
+  renderVolume(*field, haze, camera, stops, more, kept, finer);
+  const ErrorEstimator estimator(*field, haze, camera, stops, settings, kept, image);
   EXPECT_GT(estimator.error(), 0.);
   EXPECT_NEAR(estimator.error(), rmse(image, finer), 1e-12);
 }

@@ -181,10 +181,22 @@ TEST(RayStops, OnePlaneWithoutNormalHasAllOrNothing)
 
 TEST(RayStops, RejectsWhatIsNoStop)
 {
+  const Camera camera(
+    multiply(perspective(40., 0.5, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 2, 2);
   RayStops plane;
   plane.halfSpaces.push_back({ { 0., NAN, 0. }, 0. });
-  EXPECT_THROW(plane.check("test"), Error);
+  EXPECT_THROW(plane.check(camera, "test"), Error);
   RayStops regions;
   regions.cropping = CroppingRegions{ { 0., 1., 0., NAN, 0., 1. }, 1 };
-  EXPECT_THROW(regions.check("test"), Error);
+  EXPECT_THROW(regions.check(camera, "test"), Error);
+  const std::array<TranslucentHit, 1> hit{ { { 1., {} } } };
+  std::vector<std::size_t> first(5, 0);
+  RayStops surfaces;
+  surfaces.hits = TranslucentHits{ first, {} };
+  surfaces.check(camera, "test");
+  surfaces.hits = TranslucentHits{ first, hit };
+  EXPECT_THROW(surfaces.check(camera, "test"), Error);
+  first.pop_back();
+  surfaces.hits = TranslucentHits{ first, {} };
+  EXPECT_THROW(surfaces.check(camera, "test"), Error);
 }

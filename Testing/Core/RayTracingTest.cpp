@@ -2,6 +2,7 @@
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Surface/Shading.h"
 #include "Volume/VolumeRenderer.h"
@@ -45,17 +46,10 @@ struct ColoredPlane
   std::array<float, 4> rgba;
 };
 
-struct PlaneHits
-{
-  HitImage image;
-  std::vector<std::array<float, 4>> rgba;
-};
-
 /// Where the camera's rays meet the planes, between near and far.
-PlaneHits meet(const Camera& camera, const std::vector<ColoredPlane>& planes)
+PixelHits meet(const Camera& camera, const std::vector<ColoredPlane>& planes)
 {
-  PlaneHits hits;
-  hits.image.first.push_back(0);
+  PixelHits hits;
   for (int y = 0; y < camera.height(); ++y)
   {
     for (int x = 0; x < camera.width(); ++x)
@@ -73,10 +67,9 @@ PlaneHits meet(const Camera& camera, const std::vector<ColoredPlane>& planes)
       std::sort(ofRay.begin(), ofRay.end());
       for (const auto& [t, rgba] : ofRay)
       {
-        hits.image.hits.push_back({ t, {}, {}, 0, 0, 0 });
-        hits.rgba.push_back(rgba);
+        hits.add(t, rgba);
       }
-      hits.image.first.push_back(hits.image.hits.size());
+      hits.endPixel();
     }
   }
   return hits;
@@ -249,8 +242,8 @@ TEST(Volume, PartsOfARayComposeToTheWhole)
   Image front(40, 40);
   Image back(40, 40);
   renderVolume(*field, partial(), camera, {}, settings, whole);
-  renderVolume(*field, partial(), camera, { nullptr, cut.data() }, settings, front);
-  renderVolume(*field, partial(), camera, { cut.data(), nullptr }, settings, back);
+  renderVolume(*field, partial(), camera, RayStops::depths(nullptr, cut.data()), settings, front);
+  renderVolume(*field, partial(), camera, RayStops::depths(cut.data(), nullptr), settings, back);
   float largest = 0.f;
   for (std::size_t i = 0; i < whole.rgba.size(); ++i)
   {
@@ -278,11 +271,10 @@ TEST(Volume, PlanesInAHomogeneousCubeAreExact)
   for (const Matrix4& clip : cameras)
   {
     const Camera camera(clip, identityMatrix, 64, 48);
-    const PlaneHits hits = meet(camera, planes);
-    ASSERT_GT(hits.rgba.size(), 1000u);
-    const TranslucentHits surfaces{ hits.image, hits.rgba };
+    const PixelHits hits = meet(camera, planes);
+    ASSERT_GT(hits.hits.size(), 1000u);
     Image image(64, 48);
-    renderVolume(*field, constant(1.5f), camera, {}, {}, image, &surfaces);
+    renderVolume(*field, constant(1.5f), camera, hits.stops(), {}, image);
     for (int i = 0; i < 64 * 48; ++i)
     {
       Ray ray = camera.ray(i % 64, i / 64);
@@ -305,11 +297,11 @@ TEST(Volume, PlanesInAHomogeneousCubeAreExact)
         return chord(rest, { 0., 0., 0. }, { 1., 1., 1. });
       };
       double remaining = behind(camera.tFromDepth(ray, 0.));
-      for (std::size_t h = hits.image.first[i]; h < hits.image.first[i + 1]; ++h)
+      for (std::size_t h = hits.first[i]; h < hits.first[i + 1]; ++h)
       {
-        const double rest = behind(hits.image.hits[h].t);
+        const double rest = behind(hits.hits[h].t);
         add(medium, -std::expm1(-1.5 * (remaining - rest)));
-        add(hits.rgba[h], hits.rgba[h][3]);
+        add(hits.hits[h].rgba, hits.hits[h].rgba[3]);
         remaining = rest;
       }
       add(medium, -std::expm1(-1.5 * remaining));
@@ -328,27 +320,25 @@ TEST(Volume, PartsOfARayHaveEachSurfaceOnce)
     makeField(RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
   const Camera camera(
     multiply(perspective(40., 1., 9.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 40, 40);
-  PlaneHits hits = meet(camera,
+  PixelHits hits = meet(camera,
     { { 0.4, { 1.f, 0.f, 0.f, 0.3f } }, { 1.1, { 0.f, 1.f, 0.f, 0.4f } }, { 1.7, { 0.f, 0.f, 1.f, 0.5f } } });
   // Every other ray is cut at its first hit, as near as a depth comes to it.
   std::vector<float> cut(1600, 0.85f);
   for (int i = 0; i < 1600; i += 2)
   {
-    if (hits.image.first[i] < hits.image.first[i + 1])
+    if (hits.first[i] < hits.first[i + 1])
     {
-      cut[i] = static_cast<float>(
-        camera.depthFromT(camera.ray(i % 40, i / 40), hits.image.hits[hits.image.first[i]].t));
+      cut[i] = static_cast<float>(camera.depthFromT(camera.ray(i % 40, i / 40), hits.hits[hits.first[i]].t));
     }
   }
-  const TranslucentHits surfaces{ hits.image, hits.rgba };
   VolumeSettings settings;
   settings.samplesPerCell = 256.; // cutting a ray moves its samples
   Image whole(40, 40);
   Image front(40, 40);
   Image back(40, 40);
-  renderVolume(*field, partial(), camera, {}, settings, whole, &surfaces);
-  renderVolume(*field, partial(), camera, { nullptr, cut.data() }, settings, front, &surfaces);
-  renderVolume(*field, partial(), camera, { cut.data(), nullptr }, settings, back, &surfaces);
+  renderVolume(*field, partial(), camera, hits.stops(), settings, whole);
+  renderVolume(*field, partial(), camera, hits.stops(nullptr, cut.data()), settings, front);
+  renderVolume(*field, partial(), camera, hits.stops(cut.data()), settings, back);
   float largest = 0.f;
   for (std::size_t i = 0; i < whole.rgba.size(); ++i)
   {
@@ -357,6 +347,119 @@ TEST(Volume, PartsOfARayHaveEachSurfaceOnce)
     largest = std::max(largest, std::min(front.rgba[i], back.rgba[i]));
   }
   EXPECT_GT(largest, 0.2f);
+}
+
+/// The unit cube behind half spaces and cropping regions, by the chords of the regions' boxes.
+TEST(Volume, CutsOfAHomogeneousCubeAreExact)
+{
+  auto cells = makeRandomTree({ 2, { 1, 1, 1 }, 5, 0.6, 0., false });
+  setValues(cells, [](const auto&) { return 0.25; });
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
+  const Matrix4 cameras[]{ multiply(perspective(50., 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })),
+    multiply(perspective(80., 1e-4, 9.), lookAt({ 0.4, 0.45, 0.6 }, { 0.9, 0.2, 0.1 })),
+    multiply(perspective(0.3, 900., 1100.), lookAt({ 600., 500., 620. }, { 0.5, 0.5, 0.5 })),
+    multiply(parallel(0.9, 0.1, 9.), lookAt({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 })) };
+  const std::array<std::array<double, 4>, 3> edges{ { { 0., 0.25, 0.71, 1. }, { 0., 0.33, 0.6, 1. },
+    { 0., 0.125, 0.5, 1. } } };
+  for (const Matrix4& clip : cameras)
+  {
+    const Camera camera(clip, identityMatrix, 64, 48);
+    for (const std::uint32_t shown : { 0x0002000u, 0x7ffdfffu, 0x2ebfeba & 0x7ffffffu, 0x5145145u })
+    {
+      RayStops stops;
+      stops.cropping =
+        CroppingRegions{ { edges[0][1], edges[0][2], edges[1][1], edges[1][2], edges[2][1], edges[2][2] },
+          shown };
+      Image image(64, 48);
+      renderVolume(*field, constant(1.5f), camera, stops, {}, image);
+      for (int i = 0; i < 64 * 48; ++i)
+      {
+        Ray ray = camera.ray(i % 64, i / 64);
+        const double near = camera.tFromDepth(ray, 0.);
+        for (int a = 0; a < 3; ++a)
+        {
+          ray.origin[a] += near * ray.direction[a];
+        }
+        double length = 0.;
+        for (int region = 0; region < 27; ++region)
+        {
+          const std::array<int, 3> at{ region % 3, region / 3 % 3, region / 9 };
+          length += shown >> region & 1 ? chord(ray, { edges[0][at[0]], edges[1][at[1]], edges[2][at[2]] },
+                                            { edges[0][at[0] + 1], edges[1][at[1] + 1], edges[2][at[2] + 1] })
+                                        : 0.;
+        }
+        ASSERT_NEAR(image.rgba[4 * i + 3], -std::expm1(-1.5 * length), 5e-6) << shown << ", pixel " << i;
+      }
+    }
+    // A wedge: the cube's chord less that beyond each plane, which meet in no point of it.
+    RayStops wedge;
+    wedge.halfSpaces = { { { 2., 0.3, 0. }, 0.9 }, { { 0., -1., -0.2 }, -0.7 } };
+    Image image(64, 48);
+    renderVolume(*field, constant(1.5f), camera, wedge, {}, image);
+    for (int i = 0; i < 64 * 48; ++i)
+    {
+      const Ray ray = camera.ray(i % 64, i / 64);
+      double t0 = camera.tFromDepth(ray, 0.);
+      double t1 = camera.tFromDepth(ray, 1.);
+      const auto narrow = [&](const Vec3& normal, double offset) {
+        const double t = (offset - dot(normal, ray.origin)) / dot(normal, ray.direction);
+        (dot(normal, ray.direction) > 0. ? t0 : t1) =
+          dot(normal, ray.direction) > 0. ? std::max(t0, t) : std::min(t1, t);
+      };
+      narrow({ 2., 0.3, 0. }, 0.9);
+      narrow({ 0., -1., -0.2 }, -0.7);
+      for (int a = 0; a < 3; ++a)
+      {
+        Vec3 axis{};
+        axis[a] = 1.;
+        narrow(axis, 0.);
+        axis[a] = -1.;
+        narrow(axis, -1.);
+      }
+      ASSERT_NEAR(image.rgba[4 * i + 3], -std::expm1(-1.5 * std::max(0., t1 - t0)), 5e-6) << "pixel " << i;
+    }
+  }
+}
+
+TEST(Volume, WhatIsCutAwayTakesNothing)
+{
+  const auto field = makeField(RootGrid::uniform({ 2, 2, 2 }, { 0., 0., 0. }, { 1., 1., 1. }),
+    makeRandomTree({ 1, { 2, 2, 2 }, 5, 1., 0., false }));
+  const Camera camera(
+    multiply(perspective(40., 0.1, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 64, 64);
+  Image image(64, 64);
+  const auto render = [&](const RayStops& stops) {
+    return renderVolume(*field, constant(0.01f), camera, stops, {}, image);
+  };
+  const VolumeStatistics all = render({});
+  RayStops nothing;
+  nothing.halfSpaces.push_back({ { 1., 0., 0. }, 2.5 });
+  const VolumeStatistics none = render(nothing);
+  constexpr std::uint64_t tiles = 16; // each of which looks at the root
+  EXPECT_LE(none.nodes, tiles);
+  EXPECT_EQ(none.blocks + none.kept + none.intervals + none.samples, 0u);
+  EXPECT_EQ(image.rgba, LargeVector<float>(image.rgba.size(), 0.f));
+
+  // The two halves of the domain; its middle and what is around that: nodes are entered for one of the two alone, but
+  // for those on the way to both. The planes do not quite touch nodes' faces, where rounding may take either side.
+  RayStops lower;
+  lower.halfSpaces.push_back({ { -1., 0., 0. }, -0.999 });
+  RayStops upper;
+  upper.halfSpaces.push_back({ { 1., 0., 0. }, 1.001 });
+  RayStops middle;
+  middle.cropping = CroppingRegions{ { 0.501, 1.499, 0.501, 1.499, 0.501, 1.499 }, 0x0002000u };
+  RayStops around;
+  around.cropping = CroppingRegions{ { 0.499, 1.501, 0.499, 1.501, 0.499, 1.501 }, 0x7ffdfffu };
+  for (const auto& [a, b] : { std::pair(lower, upper), std::pair(middle, around) })
+  {
+    const VolumeStatistics partA = render(a);
+    const VolumeStatistics partB = render(b);
+    EXPECT_GT(std::min(partA.intervals, partB.intervals), all.intervals / 10);
+    EXPECT_LE(partA.nodes + partB.nodes, all.nodes + 9 * tiles);
+    // Groups of rays that the border goes through are taken on both of its sides.
+    EXPECT_LT(
+      static_cast<double>(partA.intervals + partB.intervals), 1.05 * static_cast<double>(all.intervals));
+  }
 }
 
 TEST(Volume, ConvergesWithTheStep)
@@ -405,14 +508,13 @@ TEST(Volume, RejectsBadSettings)
   renderVolume(empty, constant(1.f), camera, {}, {}, right);
   EXPECT_EQ(right.rgba, LargeVector<float>(256, 0.f));
 
-  const std::vector<std::array<float, 4>> colors{ { 1.f, 1.f, 1.f, 0.5f } };
-  HitImage hits;
-  hits.first.assign(8 * 8 + 1, 0);
-  const TranslucentHits tooManyColors{ hits, colors };
-  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, right, &tooManyColors), Error);
-  hits.first.pop_back();
-  const TranslucentHits tooFewPixels{ hits, {} };
-  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, {}, {}, right, &tooFewPixels), Error);
+  PixelHits tooManyHits;
+  tooManyHits.first.assign(8 * 8 + 1, 0);
+  tooManyHits.add(1., { 1.f, 1.f, 1.f, 0.5f });
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, tooManyHits.stops(), {}, right), Error);
+  RayStops noPlane;
+  noPlane.halfSpaces.push_back({ { NAN, 0., 0. }, 0. });
+  EXPECT_THROW(renderVolume(*field, constant(1.f), camera, noPlane, {}, right), Error);
 }
 
 TEST(Shading, FollowsTheTermsOfVtk)

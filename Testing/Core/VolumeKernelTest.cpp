@@ -5,6 +5,7 @@
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/ListSource.h"
+#include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 #include "Volume/VolumeReference.h"
@@ -68,19 +69,12 @@ std::vector<View> views()
       multiply(parallel(1.2, 0.1, 20.), { 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -5, 0, 0, 0, 1 }) } };
 }
 
-struct RandomHits
-{
-  HitImage image;
-  std::vector<std::array<float, 4>> rgba;
-};
-
 /// None to six hits along each ray through the domain of 2 x 2 x 2, some at one place, faint to opaque.
-RandomHits makeHits(const Camera& camera)
+PixelHits makeHits(const Camera& camera)
 {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0.f, 1.f);
-  RandomHits hits;
-  hits.image.first.push_back(0);
+  PixelHits hits;
   for (int y = 0; y < camera.height(); ++y)
   {
     for (int x = 0; x < camera.width(); ++x)
@@ -96,12 +90,10 @@ RandomHits makeHits(const Camera& camera)
       std::sort(ts.begin(), ts.end());
       for (const double t : ts)
       {
-        hits.image.hits.push_back({ t, {}, {}, 0, 0, 0 });
         const float alpha = uniform(random);
-        hits.rgba.push_back(
-          { uniform(random), uniform(random), uniform(random), alpha > 0.9f ? 1.f : 0.5f * alpha });
+        hits.add(t, { uniform(random), uniform(random), uniform(random), alpha > 0.9f ? 1.f : 0.5f * alpha });
       }
-      hits.image.first.push_back(hits.image.hits.size());
+      hits.endPixel();
     }
   }
   return hits;
@@ -157,8 +149,7 @@ TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
   for (const View& view : views())
   {
     const Camera camera(view.clip, identityMatrix, width, height);
-    const RandomHits hits = makeHits(camera);
-    const TranslucentHits surfaces{ hits.image, hits.rgba };
+    const PixelHits hits = makeHits(camera);
     // Some rays with all of their length, some with a part of it, some with none.
     std::vector<float> begin(width * height, 0.f);
     std::vector<float> end(width * height, 1.f);
@@ -172,16 +163,17 @@ TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
       (i % 2 == 0 ? begin : end)[i] =
         static_cast<float>(i % 5 == 0 ? 0.5 : std::clamp(camera.depthFromT(ray, middle), 0., 1.));
     }
-    const DepthInterval parts{ begin.data(), end.data() };
+    const RayStops parts = RayStops::depths(begin.data(), end.data());
+    const RayStops surfaces = hits.stops(begin.data(), end.data());
     Image expected(width, height);
     Image without(width, height);
-    renderVolumeReference(*field, smooth(), camera, parts, settings, expected, &surfaces);
+    renderVolumeReference(*field, smooth(), camera, surfaces, settings, expected);
     renderVolumeReference(*field, smooth(), camera, parts, settings, without);
     EXPECT_GT(largestDifference(expected, without), 0.5f) << view.name;
     Image first(0, 0);
     forEachTarget([&](const char* target) {
       Image image(width, height);
-      renderVolume(*field, smooth(), camera, parts, settings, image, &surfaces);
+      renderVolume(*field, smooth(), camera, surfaces, settings, image);
       EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << target;
       if (first.width == 0)
       {
@@ -271,8 +263,9 @@ TEST(VolumeKernel, RaysWithoutAPartLeaveTheOthersAlone)
     Image some(width, height);
     const std::vector<float> ends(width * height, 1.f);
     const std::vector<float> zero(width * height, 0.f);
-    renderVolume(*field, smooth(), camera, { zero.data(), ends.data() }, {}, all);
-    const auto statistics = renderVolume(*field, smooth(), camera, { begin.data(), nullptr }, {}, some);
+    renderVolume(*field, smooth(), camera, RayStops::depths(zero.data(), ends.data()), {}, all);
+    const auto statistics =
+      renderVolume(*field, smooth(), camera, RayStops::depths(begin.data(), nullptr), {}, some);
     std::uint64_t rays = 0;
     for (std::size_t i = 0; i < begin.size(); ++i)
     {
@@ -292,8 +285,7 @@ namespace
 
 /// Every third group of an image, those on its upper and right border among them; the same picture to the bit.
 void expectGroupsOf(const Image& image, const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const DepthInterval& interval, const VolumeSettings& settings,
-  const TranslucentHits* surfaces, const char* name)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, const char* name)
 {
   constexpr int w = PixelGroup::width;
   std::vector<PixelGroup> groups;
@@ -309,7 +301,7 @@ void expectGroupsOf(const Image& image, const Field& field, const TransferFuncti
   }
   BlockCache none(field.octree(), 0);
   std::vector<float> rgba(groups.size() * PixelGroup::rgbaSize, -1.f);
-  renderPixelGroups(field, transferFunction, camera, interval, settings, none, groups, rgba, surfaces);
+  renderPixelGroups(field, transferFunction, camera, stops, settings, none, groups, rgba);
   int beyond = 0;
   for (std::size_t i = 0; i < rgba.size(); ++i)
   {
@@ -346,20 +338,58 @@ TEST(VolumeKernel, GroupsHaveTheBitsOfTheFrame)
   for (const View& view : views())
   {
     const Camera camera(view.clip, identityMatrix, width, height);
-    const RandomHits hits = makeHits(camera);
-    const TranslucentHits surfaces{ hits.image, hits.rgba };
-    const auto expectGroups = [&](const Field& f, const TransferFunction& tf, const DepthInterval& interval,
-                                const VolumeSettings& settings, const TranslucentHits* withSurfaces) {
+    const PixelHits hits = makeHits(camera);
+    const RayStops surfaces = hits.stops(nullptr, end.data());
+    const auto expectGroups = [&](const Field& f, const TransferFunction& tf, const RayStops& stops,
+                                const VolumeSettings& settings) {
       Image image(width, height);
-      renderVolume(f, tf, camera, interval, settings, image, withSurfaces);
-      expectGroupsOf(image, f, tf, camera, interval, settings, withSurfaces, view.name);
+      renderVolume(f, tf, camera, stops, settings, image);
+      expectGroupsOf(image, f, tf, camera, stops, settings, view.name);
     };
     VolumeSettings coarse;
     coarse.levelOfDetailPixels = 4.;
-    forEachTarget([&](const char*) { expectGroups(*field, smooth(), {}, {}, nullptr); });
-    expectGroups(*field, smooth(), { nullptr, end.data() }, {}, &surfaces);
-    expectGroups(*field, smooth(), {}, coarse, nullptr);
-    expectGroups(*hugeField, ofHuge, { nullptr, end.data() }, {}, &surfaces);
+    forEachTarget([&](const char*) { expectGroups(*field, smooth(), {}, {}); });
+    expectGroups(*field, smooth(), surfaces, {});
+    expectGroups(*field, smooth(), {}, coarse);
+    expectGroups(*hugeField, ofHuge, surfaces, {});
+  }
+}
+
+TEST(VolumeKernel, CutsEqualTheReferenceOnEveryTarget)
+{
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0.1, false });
+  VolumeSettings settings;
+  settings.samplesPerCell = 64.;
+  std::vector<float> end(width * height, 1.f);
+  for (std::size_t i = 0; i < end.size(); i += 7)
+  {
+    end[i] = 0.9f;
+  }
+  for (const View& view : views())
+  {
+    const Camera camera(view.clip, identityMatrix, width, height);
+    const PixelHits hits = makeHits(camera);
+    RayStops planes = hits.stops(nullptr, end.data());
+    planes.halfSpaces = { { { 1., 0.4, -0.3 }, 0.6 }, { { -0.2, -1., 0.1 }, -1.4 },
+      { { 0., 0.1, -1. }, -1.6 } };
+    RayStops regions; // a lattice of holes
+    regions.cropping = CroppingRegions{ { 0.4, 1.3, 0.7, 1.5, 0.3, 1.25 }, 0x2aaaaaau };
+    RayStops both = planes;
+    both.cropping = regions.cropping;
+    for (const RayStops& stops : { planes, regions, both })
+    {
+      Image expected(width, height);
+      Image whole(width, height);
+      renderVolumeReference(*field, smooth(), camera, stops, settings, expected);
+      renderVolumeReference(*field, smooth(), camera, {}, settings, whole);
+      EXPECT_GT(largestDifference(expected, whole), 0.2f) << view.name;
+      forEachTarget([&](const char* target) {
+        Image image(width, height);
+        renderVolume(*field, smooth(), camera, stops, settings, image);
+        EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << target;
+        expectGroupsOf(image, *field, smooth(), camera, stops, settings, view.name);
+      });
+    }
   }
 }
 
@@ -474,11 +504,10 @@ TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
   {
     EXPECT_TRUE(std::isfinite(c));
   }
-  const RandomHits hits = makeHits(camera);
-  const TranslucentHits surfaces{ hits.image, hits.rgba };
-  renderVolume(field, transferFunction, camera, {}, {}, image, &surfaces);
+  const PixelHits hits = makeHits(camera);
+  renderVolume(field, transferFunction, camera, hits.stops(), {}, image);
   EXPECT_GT(largestDifference(image, expected), 0.5f);
-  renderVolumeReference(field, transferFunction, camera, {}, {}, expected, &surfaces);
+  renderVolumeReference(field, transferFunction, camera, hits.stops(), {}, expected);
   EXPECT_EQ(image.rgba, expected.rgba);
 }
 

@@ -153,13 +153,13 @@ private:
   Image render(const Camera& camera, const VolumeSettings& settings)
   {
     Image image(camera.width(), camera.height());
-    renderVolume(*field_, scene_.transferFunction, camera, interval_, settings, *kept_, image);
+    renderVolume(*field_, scene_.transferFunction, camera, stops_, settings, *kept_, image);
     return image;
   }
 
   ErrorEstimator estimator(const Camera& camera, const VolumeSettings& settings, const Image& frame)
   {
-    return { *field_, scene_.transferFunction, camera, interval_, settings, *kept_, frame };
+    return { *field_, scene_.transferFunction, camera, stops_, settings, *kept_, frame };
   }
 
   void add(double target, double samplesPerCell, double truth, double estimated, double worst, double good,
@@ -179,7 +179,7 @@ private:
   bench::Report& report_;
   const bench::Scene& scene_;
   const Camera large_;
-  const DepthInterval interval_;
+  const RayStops stops_;
   std::shared_ptr<Field> field_;
   std::unique_ptr<BlockCache> kept_;
   std::vector<View> views_;

@@ -1,6 +1,7 @@
 // Fields for tests.
 #pragma once
 
+#include "Field/Field.h"
 #include "Octree/OctreeBuilder.h"
 
 #include <array>

@@ -51,6 +51,7 @@ public:
     , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
     , width_(scene.camera.width())
     , height_(scene.camera.height())
+    , hasHits_(scene.stops.hits.has_value())
   {
   }
 
@@ -89,7 +90,7 @@ public:
       std::numeric_limits<float>::max(), false };
     // Around the point of the middle ray at half of its length, wide enough for all.
     constexpr int ray = tileRays / 2;
-    const float t = 0.5f * (begin_[ray] + std::min(end_[ray], begin_[ray] + 2.f));
+    const float t = 0.5f * (begin_[0][ray] + std::min(end_[0][ray], begin_[0][ray] + 2.f));
     const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
     Box box;
     for (int a = 0; a < 3; ++a)
@@ -116,70 +117,12 @@ private:
 
   void integrateRays(int x0, int y0, GroupMask wanted)
   {
-    const GroupMask active = makeRays(x0, y0) & wanted;
-    if (scene_.surfaces)
+    walk(makeRays(x0, y0) & wanted);
+    for (int r = 0; hasHits_ && r < tileRays; ++r)
     {
-      walkLayers(x0, y0, *scene_.surfaces, active);
-    }
-    else
-    {
-      walk(active);
-    }
-  }
-
-  /// With surfaces: up to each ray's first hit, across it, on to the ray's next, for all rays at once.
-  void walkLayers(int x0, int y0, const TranslucentHits& surfaces, GroupMask active)
-  {
-    float end[tileRays];
-    std::size_t next[tileRays]; // hits to come
-    std::size_t last[tileRays]; // and their end
-    for (int r = 0; r < tileRays; ++r)
-    {
-      end[r] = end_[r];
-      next[r] = last[r] = 0;
-      const int x = x0 + xInTile(r);
-      const int y = y0 + yInTile(r);
-      if ((active >> r / groupRays & 1) && x < width_ && y < height_)
+      while (nextHitT_[r] < std::numeric_limits<float>::infinity())
       {
-        const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
-        next[r] = surfaces.image.first[pixel];
-        last[r] = surfaces.image.first[pixel + 1];
-      }
-      while (next[r] != last[r] && hitT(r, surfaces.image.hits[next[r]]) < begin_[r])
-      {
-        ++next[r];
-      }
-      while (next[r] != last[r] && !(hitT(r, surfaces.image.hits[last[r] - 1]) < end[r]))
-      {
-        --last[r];
-      }
-      end_[r] = next[r] != last[r] ? hitT(r, surfaces.image.hits[next[r]]) : end[r];
-    }
-    while (active != 0)
-    {
-      walk(active);
-      active = 0;
-      for (int r = 0; r < tileRays; ++r)
-      {
-        const bool hits = next[r] != last[r] && !(opacity_[r] > opaque);
-        if (hits)
-        {
-          const std::array<float, 4>& rgba = surfaces.rgba[next[r]];
-          const float weight = (1.f - opacity_[r]) * rgba[3];
-          red_[r] += weight * rgba[0];
-          green_[r] += weight * rgba[1];
-          blue_[r] += weight * rgba[2];
-          opacity_[r] += weight;
-          begin_[r] = end_[r];
-          ++next[r];
-        }
-        if (!hits || opacity_[r] > opaque)
-        {
-          end_[r] = finished;
-          continue;
-        }
-        end_[r] = next[r] != last[r] ? hitT(r, surfaces.image.hits[next[r]]) : end[r];
-        active |= GroupMask(1) << r / groupRays;
+        crossHit(r);
       }
     }
   }
@@ -214,44 +157,138 @@ private:
     {
       makeFan(x0, y0);
     }
+    parts_ = 1;
+    const bool isCut = hasHits_ || scene_.stops.cutsData();
     GroupMask active = 0;
     for (int r = 0; r < tileRays; ++r)
     {
       red_[r] = green_[r] = blue_[r] = opacity_[r] = 0.f;
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
+      nextHitT_[r] = std::numeric_limits<float>::infinity();
+      for (int part = 1; part < parts_; ++part)
+      {
+        end_[part][r] = finished;
+      }
       if (x >= width_ || y >= height_)
       {
-        end_[r] = finished;
+        end_[0][r] = finished;
         continue;
       }
-      if (CommonOrigin && !scene_.interval.begin && !scene_.interval.end)
+      if (CommonOrigin && !isCut && !scene_.stops.beginDepth && !scene_.stops.endDepth)
       {
         active |= GroupMask(1) << r / groupRays;
         ++statistics_.rays;
         continue;
       }
       const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
-      const double begin = scene_.interval.begin ? scene_.interval.begin[pixel] : 0.;
-      const double end = scene_.interval.end ? scene_.interval.end[pixel] : 1.;
+      const double begin = scene_.stops.beginDepth ? scene_.stops.beginDepth[pixel] : 0.;
+      const double end = scene_.stops.endDepth ? scene_.stops.endDepth[pixel] : 1.;
       if (!(begin < end))
       {
-        end_[r] = finished;
+        end_[0][r] = finished;
         continue;
       }
-      active |= GroupMask(1) << r / groupRays;
-      ++statistics_.rays;
       if constexpr (CommonOrigin)
       {
-        begin_[r] = fanT(x, y, begin);
-        end_[r] = fanT(x, y, end);
+        begin_[0][r] = fanT(x, y, begin);
+        end_[0][r] = fanT(x, y, end);
       }
       else
       {
         makeRay(r, x, y, begin, end);
       }
+      if (isCut)
+      {
+        cut(r, x, y);
+      }
+      if (end_[0][r] != finished)
+      {
+        active |= GroupMask(1) << r / groupRays;
+        ++statistics_.rays;
+      }
     }
     return active;
+  }
+
+  /// Leaves the ray's parts, and finds its hits.
+  void cut(int r, int x, int y)
+  {
+    if (scene_.stops.cutsData())
+    {
+      const RayParts parts = CommonOrigin ? cutFan(r, x, y) : cutRay(r, x, y);
+      while (parts_ < parts.count)
+      {
+        std::fill_n(end_[parts_++], tileRays, finished);
+      }
+      end_[0][r] = finished;
+      for (int part = 0; part < parts.count; ++part)
+      {
+        begin_[part][r] = tToKernel(parts.begin[part]);
+        end_[part][r] = tToKernel(parts.end[part]);
+      }
+    }
+    if (hasHits_)
+    {
+      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+      nextHit_[r] = scene_.stops.hits->first[pixel];
+      endOfHits_[r] = scene_.stops.hits->first[pixel + 1];
+      findHit(r);
+    }
+  }
+
+  RayParts cutFan(int r, int x, int y) const noexcept
+  {
+    const PixelFan& fan = scene_.fan;
+    Vec3 direction;
+    for (int a = 0; a < 3; ++a)
+    {
+      direction[a] = fan.direction[a] + x * fan.perX[a] + y * fan.perY[a];
+    }
+    return scene_.stops.cut(
+      scene_.reference, direction, begin_[0][r] / scene_.scale, end_[0][r] / scene_.scale);
+  }
+
+  RayParts cutRay(int r, int x, int y) const noexcept
+  {
+    const Ray ray = scene_.camera.ray(x, y);
+    return scene_.stops.cut(ray.origin, ray.direction, begin_[0][r] / scene_.scale + scene_.tReference,
+      end_[0][r] / scene_.scale + scene_.tReference);
+  }
+
+  /// The ray's first hit from the next one on that is in one of its parts.
+  void findHit(int r) noexcept
+  {
+    nextHitT_[r] = std::numeric_limits<float>::infinity();
+    for (; nextHit_[r] != endOfHits_[r]; ++nextHit_[r])
+    {
+      const float t = hitT(r, scene_.stops.hits->hits[nextHit_[r]]);
+      for (int part = 0; part < parts_; ++part)
+      {
+        if (t >= begin_[part][r] && t < end_[part][r])
+        {
+          nextHitT_[r] = t;
+          return;
+        }
+      }
+    }
+  }
+
+  /// Takes a ray across the hit that it has come to.
+  HWY_NOINLINE void crossHit(int r) noexcept
+  {
+    const std::array<float, 4>& rgba = scene_.stops.hits->hits[nextHit_[r]].rgba;
+    const float weight = opacity_[r] > opaque ? 0.f : (1.f - opacity_[r]) * rgba[3];
+    red_[r] += weight * rgba[0];
+    green_[r] += weight * rgba[1];
+    blue_[r] += weight * rgba[2];
+    opacity_[r] += weight;
+    for (int part = 0; opacity_[r] > opaque && part < parts_; ++part)
+    {
+      end_[part][r] = finished;
+    }
+    ++nextHit_[r];
+    findHit(r);
   }
 
   float fanT(int x, int y, double depth) const noexcept
@@ -311,8 +348,8 @@ private:
       const Floats near = mulAdd(x, perX, mulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
       const Floats far = mulAdd(x, perX,
         mulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
-      hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_ + ray);
-      hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_ + ray);
+      hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_[0] + ray);
+      hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_[0] + ray);
     }
   }
 
@@ -320,8 +357,8 @@ private:
   {
     const Ray ray = scene_.camera.ray(x, y);
     const Bounds domain = grid_.bounds();
-    begin_[r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
-    end_[r] = tToKernel(scene_.camera.tFromDepth(ray, end));
+    begin_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
+    end_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, end));
     lengthPerT_[r] = 1.f;
     for (int a = 0; a < 3; ++a)
     {
@@ -345,7 +382,7 @@ private:
   }
 
   /// Where the ray's begin_ and end_ count.
-  float hitT(int r, const SurfaceHit& hit) const noexcept
+  float hitT(int r, const TranslucentHit& hit) const noexcept
   {
     return CommonOrigin ? static_cast<float>(hit.t * scene_.scale / lengthPerT_[r]) : tToKernel(hit.t);
   }
@@ -395,7 +432,8 @@ private:
     return hn::Mul(distance, hn::Load(d, inverse_[axis] + ray));
   }
 
-  /// For each of a node's children the groups of which a ray crosses it.
+  /// For each of a node's children the groups of which a ray crosses it. OnePart: no ray of the tile has more.
+  template <bool OnePart>
   HWY_INLINE void cross(
     const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
   {
@@ -422,20 +460,23 @@ private:
           begin[a][1] = hn::Min(mid, high);
           end[a][1] = hn::Max(mid, high);
         }
-        const Floats rayBegin = hn::Load(d, begin_ + ray);
-        const Floats rayEnd = hn::Load(d, end_ + ray);
-        for (int z = 0; z < 2; ++z)
+        for (int part = 0; part < (OnePart ? 1 : parts_); ++part)
         {
-          const Floats beginZ = hn::Max(begin[2][z], rayBegin);
-          const Floats endZ = hn::Min(end[2][z], rayEnd);
-          for (int y = 0; y < 2; ++y)
+          const Floats rayBegin = hn::Load(d, begin_[part] + ray);
+          const Floats rayEnd = hn::Load(d, end_[part] + ray);
+          for (int z = 0; z < 2; ++z)
           {
-            const Floats beginYZ = hn::Max(begin[1][y], beginZ);
-            const Floats endYZ = hn::Min(end[1][y], endZ);
-            for (int x = 0; x < 2; ++x)
+            const Floats beginZ = hn::Max(begin[2][z], rayBegin);
+            const Floats endZ = hn::Min(end[2][z], rayEnd);
+            for (int y = 0; y < 2; ++y)
             {
-              const Mask crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
-              any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
+              const Floats beginYZ = hn::Max(begin[1][y], beginZ);
+              const Floats endYZ = hn::Min(end[1][y], endZ);
+              for (int x = 0; x < 2; ++x)
+              {
+                const Mask crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
+                any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
+              }
             }
           }
         }
@@ -493,7 +534,7 @@ private:
       nearest |= upper << a;
     }
     GroupMask crossing[8];
-    cross(box, middle, active, crossing);
+    parts_ == 1 ? cross<true>(box, middle, active, crossing) : cross<false>(box, middle, active, crossing);
     bool hasValues = false;
     Block block;
     for (int i = 0; i < 8; ++i)
@@ -729,22 +770,66 @@ private:
     }
   }
 
-  /// Takes the rays from `ray` on through a box: by midpoint samples, or by the transfer function's integrals
-  /// over what the field covers in each step.
+  /// Takes the rays from `ray` on through a box, from stop to stop.
   template <bool PreIntegrated, class Values>
   HWY_INLINE void integrate(
     const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
   {
     const FloatTag d;
-    Floats begin = hn::Load(d, begin_ + ray);
-    Floats end = hn::Load(d, end_ + ray);
+    Floats enter = hn::Set(d, -std::numeric_limits<float>::infinity());
+    Floats leave = hn::Set(d, std::numeric_limits<float>::infinity());
     for (int a = 0; a < 3; ++a)
     {
       const Floats low = planeT(a, ray, box.min[a]);
       const Floats high = planeT(a, ray, box.max[a]);
-      begin = hn::Max(begin, hn::Min(low, high));
-      end = hn::Min(end, hn::Max(low, high));
+      enter = hn::Max(enter, hn::Min(low, high));
+      leave = hn::Min(leave, hn::Max(low, high));
     }
+    for (int part = 0; part < parts_; ++part)
+    {
+      Floats begin = hn::Max(hn::Load(d, begin_[part] + ray), enter);
+      Floats end = hn::Min(hn::Load(d, end_[part] + ray), leave);
+      do
+      {
+        const Floats stop = hasHits_ ? hn::Min(end, hn::Load(d, nextHitT_ + ray)) : end;
+        integratePart<PreIntegrated>(values, block, lattice, ray, begin, stop);
+      }
+      while (hasHits_ && crossHits(part, ray, begin, end));
+    }
+  }
+
+  /// Takes the rays from `ray` on across the hits that they have come to before `end`; false when there are none. begin
+  /// and end: of what is left.
+  HWY_INLINE bool crossHits(int part, int ray, Floats& begin, Floats& end)
+  {
+    const FloatTag d;
+    const Floats hit = hn::Load(d, nextHitT_ + ray);
+    const Mask meets = hn::And(hn::Lt(begin, end), hn::Lt(hit, end));
+    if (hn::AllFalse(d, meets))
+    {
+      return false;
+    }
+    std::uint8_t bits[(lanes + 7) / 8] = {};
+    hn::StoreMaskBits(d, meets, bits);
+    for (int i = 0; i < lanes; ++i)
+    {
+      if (bits[i / 8] >> i % 8 & 1)
+      {
+        crossHit(ray + i);
+      }
+    }
+    begin = hn::IfThenElse(meets, hn::Max(begin, hit), end); // the other rays are through
+    end = hn::Min(end, hn::Load(d, end_[part] + ray));       // a ray may be finished
+    return true;
+  }
+
+  /// Takes the rays from `ray` on from begin to end in a block: by midpoint samples, or by the transfer function's
+  /// integrals over what the field covers in each step.
+  template <bool PreIntegrated, class Values>
+  HWY_INLINE void integratePart(
+    const Values& values, const Block& block, const Lattice& lattice, int ray, Floats begin, Floats end)
+  {
+    const FloatTag d;
     const Mask crosses = hn::Lt(begin, end);
     if (hn::AllFalse(d, crosses))
     {
@@ -806,7 +891,11 @@ private:
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
     const Mask done = hn::Gt(light.opacity, hn::Set(d, opaque));
-    hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, end_ + ray)), d, end_ + ray);
+    for (int part = 0; part < parts_; ++part)
+    {
+      float* ends = end_[part] + ray;
+      hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, ends)), d, ends);
+    }
   }
 
   const VolumeKernelScene& scene_;
@@ -828,13 +917,18 @@ private:
   HWY_ALIGN float origin_[3][tileRays] = {}; // unless common
   HWY_ALIGN float direction_[3][tileRays] = {};
   HWY_ALIGN float inverse_[3][tileRays] = {};
-  HWY_ALIGN float begin_[tileRays] = {};
-  HWY_ALIGN float end_[tileRays] = {};
+  HWY_ALIGN float begin_[RayParts::most][tileRays] = {};
+  HWY_ALIGN float end_[RayParts::most][tileRays] = {};
   HWY_ALIGN float lengthPerT_[tileRays] = {}; // world length per t
   HWY_ALIGN float red_[tileRays];
   HWY_ALIGN float green_[tileRays];
   HWY_ALIGN float blue_[tileRays];
   HWY_ALIGN float opacity_[tileRays];
+  int parts_ = 1; // of begin_ and end_ in use: the most of any ray
+  bool hasHits_;
+  HWY_ALIGN float nextHitT_[tileRays]; // with hits only; infinite: none
+  std::size_t nextHit_[tileRays];
+  std::size_t endOfHits_[tileRays];
   VolumeStatistics statistics_;
   HWY_ALIGN std::int32_t samples_[lanes] = {}; // by lane: summing a vector up at each interval takes longer
 };

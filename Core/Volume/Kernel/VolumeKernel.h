@@ -49,11 +49,10 @@ struct VolumeKernelScene
   const Field& field;
   const TransferFunction& transferFunction;
   const Camera& camera;
-  const DepthInterval& interval;
+  const RayStops& stops;
   const VolumeSettings& settings;
   BlockCache& kept;
-  Image* image;                    // null: only groups of pixels are rendered
-  const TranslucentHits* surfaces; // null: none
+  Image* image; // null: only groups of pixels are rendered
 
   SceneFeatures features;
   Vec3 reference;    // data coordinates; the eye when all rays start there
