@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace treeamr
 {
@@ -99,6 +100,49 @@ void arrangePoints(const HitImage& hits, const Camera& camera, vtkTreeAMRSurface
   arrangeTiles(camera, image);
 }
 
+/// Calls body(pixel, walk through its layers, started) for all pixels.
+template <class Body>
+void forEachPixel(std::span<const SurfaceShader> shaders, std::size_t pixels, const Body& body)
+{
+  constexpr std::size_t perTask = 1024;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels, perTask), [&](const auto& range) {
+    LayerWalk walk(shaders);
+    for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
+    {
+      walk.start(pixel);
+      body(pixel, walk);
+    }
+  });
+}
+
+/// Less light than 8 bits can show.
+constexpr float noLight = 1.f / 1024.f;
+
+/// Premultiplied: the layers before a window depth, down to the last that 8 bits could show. Calls atNearest() at the
+/// first of them.
+template <class AtNearest>
+std::array<float, 4> blend(LayerWalk& walk, float depth, const AtNearest& atNearest)
+{
+  std::array<float, 4> sum{};
+  float passes = 1.f;
+  for (bool isNearest = true; passes > noLight && walk.next() && static_cast<float>(walk.depth()) <= depth;
+       isNearest = false)
+  {
+    if (isNearest)
+    {
+      atNearest();
+    }
+    const std::array<float, 4> rgba = walk.rgba();
+    for (int c = 0; c < 3; ++c)
+    {
+      sum[c] += passes * rgba[3] * rgba[c];
+    }
+    passes *= 1.f - rgba[3];
+  }
+  sum[3] = 1.f - passes;
+  return sum;
+}
+
 } // namespace
 
 void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits,
@@ -119,95 +163,239 @@ void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camer
   });
 }
 
-void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
-  const SurfaceVisibility& visibility, const HitColors& colors, vtkTreeAMRSurfaceImage& image)
+SurfaceShader::SurfaceShader(const HitImage& hits, const Camera& camera, SurfaceAppearance appearance,
+  const SurfaceVisibility& visibility, HitColors colors)
+  : hits_(&hits)
+  , camera_(&camera)
+  , frame_(camera.worldFromData())
+  , appearance_(std::move(appearance))
+  , visibility_(&visibility)
+  , colors_(std::move(colors))
 {
-  const SurfaceFrame frame(camera.worldFromData());
-  const std::size_t lights = appearance.lights.size();
-  arrangePoints(hits, camera, image);
-  forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
-    const SurfaceHit& hit = hits.hits[i];
-    const Vec3 away = normalized(frame.worldVector(ray.direction));
-    const Vec3 side{ -away[0], -away[1], -away[2] };
-    const Vec3 point = frame.worldPoint(pointAt(ray, hit.t));
-    Material material = appearance.material;
-    float opacity = appearance.opacity;
-    if (colors)
-    {
-      const unsigned char* const rgba = colors.at(hits.hits, i);
-      for (int c = 0; c < 3; ++c)
-      {
-        const float channel = rgba[c] / 255.f;
-        material.ambient[c] = appearance.ambientOfColors * channel;
-        material.diffuse[c] = appearance.diffuseOfColors * channel;
-      }
-      opacity *= appearance.opaque ? 1.f : rgba[3] / 255.f;
-    }
-    const Vec3 normal = appearance.flat ? frame.worldNormal(hit.gradient, side)
-                                        : frame.shadingNormal(hit.gradient, hit.normal, side);
-    // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
-    const Vec3 toEye = normalized({ -point[0], -point[1], -point[2] });
-    std::array<float, 3> rgb = shade(material, appearance.lights, point, normal, toEye,
-      visibility.lit.empty() ? nullptr : &visibility.lit[lights * i], opacity);
-    if (!visibility.open.empty())
-    {
-      for (float& channel : rgb)
-      {
-        channel *= 1.f - opacity * (1.f - visibility.open[i]);
-      }
-    }
-    std::copy(rgb.begin(), rgb.end(), &image.RGBA[4 * i]);
-    image.RGBA[4 * i + 3] = opacity;
-    image.Depth[i] = static_cast<float>(camera.depthFromT(ray, hit.t));
-  });
 }
 
-void flattenLayers(
-  const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image)
+Sight SurfaceShader::sight(std::size_t pixel) const noexcept
 {
-  forEach(hits.first.size() - 1, [&](std::size_t pixel) {
-    const std::size_t first = hits.first[pixel];
-    std::array<float, 3> sum{};
-    float passes = 1.f;
-    for (std::size_t i = first; i < hits.first[pixel + 1] && image.Depth[i] <= depth[pixel]; ++i)
-    {
-      const float alpha = image.RGBA[4 * i + 3];
-      for (int c = 0; c < 3; ++c)
-      {
-        sum[c] += passes * alpha * image.RGBA[4 * i + c];
-      }
-      passes *= 1.f - alpha;
-    }
-    const float alpha = 1.f - passes;
-    image.Runs[3 * pixel + 2] = alpha > 0.f ? 1.f : 0.f;
-    if (alpha > 0.f)
-    {
-      for (int c = 0; c < 3; ++c)
-      {
-        image.RGBA[4 * first + c] = sum[c] / alpha;
-      }
-      image.RGBA[4 * first + 3] = alpha;
-    }
-  });
-  arrangeTiles(camera, image);
+  const Ray ray = rayOf(*camera_, pixel);
+  const Vec3 away = normalized(frame_.worldVector(ray.direction));
+  return { ray, { -away[0], -away[1], -away[2] } };
 }
 
-void slopeHits(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image)
+std::array<float, 4> SurfaceShader::operator()(std::size_t i, const Sight& sight) const noexcept
+{
+  const SurfaceHit& hit = hits_->hits[i];
+  const Vec3 point = frame_.worldPoint(pointAt(sight.ray, hit.t));
+  const bool own = !appearance_.surfaces.empty();
+  Material material = own ? appearance_.surfaces[hit.surface].material : appearance_.material;
+  float opacity = own ? appearance_.surfaces[hit.surface].opacity : appearance_.opacity;
+  if (colors_)
+  {
+    const unsigned char* const rgba = colors_.at(hits_->hits, i);
+    for (int c = 0; c < 3; ++c)
+    {
+      const float channel = rgba[c] / 255.f;
+      material.ambient[c] = appearance_.ambientOfColors * channel;
+      material.diffuse[c] = appearance_.diffuseOfColors * channel;
+    }
+    opacity *= appearance_.opaque ? 1.f : rgba[3] / 255.f;
+  }
+  const Vec3 normal = appearance_.flat ? frame_.worldNormal(hit.gradient, sight.toEye)
+                                       : frame_.shadingNormal(hit.gradient, hit.normal, sight.toEye);
+  // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
+  const Vec3 toEye = normalized({ -point[0], -point[1], -point[2] });
+  std::array<float, 3> rgb = shade(material, appearance_.lights, point, normal, toEye,
+    visibility_->lit.empty() ? nullptr : &visibility_->lit[appearance_.lights.size() * i], opacity);
+  if (!visibility_->open.empty())
+  {
+    for (float& channel : rgb)
+    {
+      channel *= 1.f - opacity * (1.f - visibility_->open[i]);
+    }
+  }
+  return { rgb[0], rgb[1], rgb[2], opacity };
+}
+
+std::array<float, 2> SurfaceShader::depthSlope(std::size_t i, const Sight& sight) const noexcept
 {
   // Seen at a smaller cosine, the tangent plane leaves the surface within the pixel.
   constexpr double leastCosine = 0.1;
-  const SurfaceFrame frame(camera.worldFromData());
-  image.Slope.resize(2 * image.Depth.size());
-  forEachHit(hits, camera, [&](std::size_t i, const Ray& ray) {
-    const SurfaceHit& hit = hits.hits[i];
-    const Vec3 away = normalized(frame.worldVector(ray.direction));
-    const Vec3 toEye{ -away[0], -away[1], -away[2] };
-    const double part = std::min(1., dot(frame.worldNormal(hit.gradient, toEye), toEye) / leastCosine);
-    const std::array<double, 2> slope = camera.depthSlope(pointAt(ray, hit.t), hit.gradient);
-    for (int a = 0; a < 2; ++a)
+  const SurfaceHit& hit = hits_->hits[i];
+  const double cosine = dot(frame_.worldNormal(hit.gradient, sight.toEye), sight.toEye);
+  const double part = std::min(1., cosine / leastCosine);
+  const std::array<double, 2> whole = camera_->depthSlope(pointAt(sight.ray, hit.t), hit.gradient);
+  std::array<float, 2> slope;
+  for (int a = 0; a < 2; ++a)
+  {
+    const double s = part * whole[a];
+    slope[a] = std::isfinite(s) ? static_cast<float>(s) : 0.f;
+  }
+  return slope;
+}
+
+LayerWalk::LayerWalk(std::span<const SurfaceShader> shaders)
+{
+  for (const SurfaceShader& shader : shaders)
+  {
+    sources_.push_back({ &shader });
+  }
+}
+
+void LayerWalk::start(std::size_t pixel)
+{
+  isStarted_ = false;
+  for (Source& source : sources_)
+  {
+    const HitImage& hits = source.shader->hits();
+    source.hit = hits.first[pixel];
+    source.end = hits.first[pixel + 1];
+    if (source.hit != source.end)
     {
-      const double s = part * slope[a];
-      image.Slope[2 * i + a] = std::isfinite(s) ? static_cast<float>(s) : 0.f;
+      source.sight = source.shader->sight(pixel);
+      source.depth = source.shader->camera().depthFromT(source.sight.ray, hits.hits[source.hit].t);
+    }
+  }
+}
+
+bool LayerWalk::next()
+{
+  if (isStarted_)
+  {
+    Source& last = sources_[current_];
+    if (++last.hit != last.end)
+    {
+      last.depth = last.shader->camera().depthFromT(last.sight.ray, last.shader->hits().hits[last.hit].t);
+    }
+  }
+  isStarted_ = true;
+  bool found = false;
+  for (std::size_t s = 0; s < sources_.size(); ++s)
+  {
+    if (sources_[s].hit != sources_[s].end && (!found || sources_[s].depth < sources_[current_].depth))
+    {
+      current_ = s;
+      found = true;
+    }
+  }
+  return found;
+}
+
+double LayerWalk::t(const Camera& camera, const Ray& ray) const noexcept
+{
+  const Source& source = sources_[current_];
+  const bool isSame = source.sight.ray.origin == ray.origin && source.sight.ray.direction == ray.direction;
+  return isSame ? source.shader->hits().hits[source.hit].t : camera.tFromDepth(ray, source.depth);
+}
+
+std::array<float, 4> LayerWalk::rgba() const noexcept
+{
+  const Source& source = sources_[current_];
+  return (*source.shader)(source.hit, source.sight);
+}
+
+std::array<float, 2> LayerWalk::depthSlope() const noexcept
+{
+  const Source& source = sources_[current_];
+  return source.shader->depthSlope(source.hit, source.sight);
+}
+
+void shadeHits(const SurfaceShader& shader, bool withSlope, vtkTreeAMRSurfaceImage& image)
+{
+  const HitImage& hits = shader.hits();
+  arrangePoints(hits, shader.camera(), image);
+  image.Slope.resize(withSlope ? 2 * image.Depth.size() : 0);
+  forEach(hits.first.size() - 1, [&](std::size_t pixel) {
+    if (hits.first[pixel] == hits.first[pixel + 1])
+    {
+      return;
+    }
+    const Sight sight = shader.sight(pixel);
+    for (std::size_t i = hits.first[pixel]; i < hits.first[pixel + 1]; ++i)
+    {
+      const std::array<float, 4> rgba = shader(i, sight);
+      std::copy(rgba.begin(), rgba.end(), &image.RGBA[4 * i]);
+      image.Depth[i] = static_cast<float>(shader.camera().depthFromT(sight.ray, hits.hits[i].t));
+      if (withSlope)
+      {
+        const std::array<float, 2> slope = shader.depthSlope(i, sight);
+        std::copy(slope.begin(), slope.end(), &image.Slope[2 * i]);
+      }
+    }
+  });
+}
+
+void flattenLayers(std::span<const SurfaceShader> shaders, std::span<const float> depth, bool withSlope,
+  vtkTreeAMRSurfaceImage& image)
+{
+  constexpr std::size_t columns = vtkTreeAMRSurfaceImage::Columns;
+  const std::size_t pixels = depth.size();
+  image.Depth.resize(filledRows(pixels));
+  image.RGBA.resize(4 * image.Depth.size());
+  image.Slope.resize(withSlope ? 2 * image.Depth.size() : 0);
+  image.Runs.resize(3 * pixels);
+  forEachPixel(shaders, pixels, [&](std::size_t pixel, LayerWalk& walk) {
+    const auto atNearest = [&] {
+      image.Depth[pixel] = static_cast<float>(walk.depth());
+      if (withSlope)
+      {
+        const std::array<float, 2> slope = walk.depthSlope();
+        std::copy(slope.begin(), slope.end(), &image.Slope[2 * pixel]);
+      }
+    };
+    const std::array<float, 4> blended = blend(walk, depth[pixel], atNearest);
+    const float alpha = blended[3];
+    for (int c = 0; c < 3; ++c)
+    {
+      image.RGBA[4 * pixel + c] = alpha > 0.f ? blended[c] / alpha : 0.f;
+    }
+    image.RGBA[4 * pixel + 3] = alpha;
+    image.Runs[3 * pixel] = static_cast<float>(pixel % columns);
+    image.Runs[3 * pixel + 1] = static_cast<float>(pixel / columns);
+    image.Runs[3 * pixel + 2] = alpha > 0.f ? 1.f : 0.f;
+  });
+  arrangeTiles(shaders.front().camera(), image);
+}
+
+void flattenLayers(std::span<const SurfaceShader> shaders, std::span<const float> depth, Image& image)
+{
+  forEachPixel(shaders, depth.size(), [&](std::size_t pixel, LayerWalk& walk) {
+    const std::array<float, 4> blended = blend(walk, depth[pixel], [] {});
+    std::copy(blended.begin(), blended.end(), &image.rgba[4 * pixel]);
+  });
+}
+
+void collectLayers(std::span<const SurfaceShader> shaders, const Camera& camera, std::span<const float> depth,
+  CollectedLayers& layers)
+{
+  // The kernel compares in its own units: what is hardly behind is left to it.
+  constexpr double slack = 1e-5;
+  const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
+  layers.first.assign(pixels + 1, 0);
+  for (std::size_t pixel = 0; pixel <= pixels; ++pixel)
+  {
+    for (const SurfaceShader& shader : shaders)
+    {
+      layers.first[pixel] += shader.hits().first[pixel];
+    }
+  }
+  layers.layers.resize(layers.first.back());
+  forEachPixel(shaders, pixels, [&](std::size_t pixel, LayerWalk& walk) {
+    std::size_t i = layers.first[pixel];
+    const std::size_t end = layers.first[pixel + 1];
+    if (i == end)
+    {
+      return;
+    }
+    const Ray ray = rayOf(camera, pixel);
+    float passes = 1.f;
+    while (passes > noLight && walk.next() && (depth.empty() || walk.depth() <= depth[pixel] + slack))
+    {
+      layers.layers[i] = { walk.t(camera, ray), walk.rgba() };
+      passes *= 1.f - layers.layers[i].rgba[3];
+      ++i;
+    }
+    for (; i < end; ++i)
+    {
+      layers.layers[i] = { std::numeric_limits<double>::infinity(), {} };
     }
   });
 }

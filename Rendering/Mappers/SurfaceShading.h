@@ -4,19 +4,34 @@
 #include "SurfaceColors.h"
 #include "vtkTreeAMRFramebuffer.h"
 
+#include "Geometry/Image.h"
+#include "Geometry/RayStops.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Shading.h"
+#include "Surface/SurfaceFrame.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace treeamr
 {
 
+/// Of the surface of one isovalue.
+struct SurfaceMaterial
+{
+  Material material;
+  float opacity = 1.f;
+};
+
 /// What all hits share.
 struct SurfaceAppearance
 {
+  /// Of each surface; empty: all have `material` and `opacity`.
+  std::vector<SurfaceMaterial> surfaces;
   Material material;
   std::vector<Light> lights;
   bool opaque = true; // whatever the opacities of colours
@@ -40,18 +55,91 @@ struct SurfaceVisibility
 void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits,
   std::size_t stride, float* values);
 
-/// Lights the hits in view coordinates, which are the camera's world. The surface blocks light like a layer
-/// of its opacity. Fills all of the image but Position and Normal.
-void shadeHits(const HitImage& hits, const Camera& camera, const SurfaceAppearance& appearance,
-  const SurfaceVisibility& visibility, const HitColors& colors, vtkTreeAMRSurfaceImage& image);
+/// A pixel's ray, and the way back along it in view coordinates.
+struct Sight
+{
+  Ray ray;
+  Vec3 toEye;
+};
 
-/// Makes one layer of all that lie before the window depths `depth` of the pixels, blended in their order,
-/// where the nearest is.
-void flattenLayers(
-  const HitImage& hits, const Camera& camera, const std::vector<float>& depth, vtkTreeAMRSurfaceImage& image);
+/// Lights hits in view coordinates, which are the camera's world. The surface blocks light like a layer of its
+/// opacity. What it is made of must outlive it.
+class SurfaceShader
+{
+public:
+  SurfaceShader(const HitImage& hits, const Camera& camera, SurfaceAppearance appearance,
+    const SurfaceVisibility& visibility, HitColors colors);
 
-/// Fills Slope of the image, of the depths that shadeHits() has filled.
-void slopeHits(const HitImage& hits, const Camera& camera, vtkTreeAMRSurfaceImage& image);
+  const HitImage& hits() const noexcept { return *hits_; }
+  const Camera& camera() const noexcept { return *camera_; }
+  Sight sight(std::size_t pixel) const noexcept;
+  /// Colour, not premultiplied, and opacity of a hit of the pixel that the sight is of.
+  std::array<float, 4> operator()(std::size_t hit, const Sight& sight) const noexcept;
+  /// The change of the window depth of its tangent plane over the whole image, along x and y; less, where that
+  /// would leave the surface within a pixel.
+  std::array<float, 2> depthSlope(std::size_t hit, const Sight& sight) const noexcept;
+
+private:
+  const HitImage* hits_;
+  const Camera* camera_;
+  SurfaceFrame frame_;
+  SurfaceAppearance appearance_;
+  const SurfaceVisibility* visibility_;
+  HitColors colors_;
+};
+
+/// Walks through the hits of one pixel in pictures of one size, taken from one place: nearest first.
+class LayerWalk
+{
+public:
+  explicit LayerWalk(std::span<const SurfaceShader> shaders);
+
+  void start(std::size_t pixel);
+  /// To the first hit, then to the next ones; false: there are no more.
+  bool next();
+  double depth() const noexcept { return sources_[current_].depth; }
+  /// On a camera's ray of the pixel.
+  double t(const Camera& camera, const Ray& ray) const noexcept;
+  std::array<float, 4> rgba() const noexcept;
+  std::array<float, 2> depthSlope() const noexcept;
+
+private:
+  struct Source
+  {
+    const SurfaceShader* shader;
+    std::size_t hit = 0;
+    std::size_t end = 0;
+    double depth = 0.; // in the window, of that hit
+    Sight sight{};
+  };
+  std::vector<Source> sources_;
+  std::size_t current_ = 0;
+  bool isStarted_ = false;
+};
+
+/// Fills all of the image but Position, Normal and, unless it is asked for, Slope.
+void shadeHits(const SurfaceShader& shader, bool withSlope, vtkTreeAMRSurfaceImage& image);
+
+/// Makes one layer, where the nearest is, of all that lie before the window depths `depth` of the pixels: blended in
+/// their order, as far as light comes through. At least one shader, all with pictures of one size, taken from one
+/// place. Fills what shadeHits() fills.
+void flattenLayers(std::span<const SurfaceShader> shaders, std::span<const float> depth, bool withSlope,
+  vtkTreeAMRSurfaceImage& image);
+/// The same layer as an image.
+void flattenLayers(std::span<const SurfaceShader> shaders, std::span<const float> depth, Image& image);
+
+/// Layers of several pictures on their way through a volume.
+struct CollectedLayers
+{
+  LargeVector<std::size_t> first; // of each pixel's, and their end
+  LargeVector<TranslucentHit> layers;
+
+  TranslucentHits hits() const noexcept { return { first, layers }; }
+};
+/// For a camera that takes the same picture: layers, as far as light comes through, before the window depths, which
+/// may be none. Places of those behind are infinite.
+void collectLayers(std::span<const SurfaceShader> shaders, const Camera& camera, std::span<const float> depth,
+  CollectedLayers& layers);
 
 /// RGB of a hit. Called from several threads.
 using HitColor = std::function<std::array<float, 3>(const SurfaceHit&)>;

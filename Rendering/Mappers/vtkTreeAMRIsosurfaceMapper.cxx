@@ -4,18 +4,16 @@
 #include "MapperInput.h"
 #include "OnceReporter.h"
 #include "SceneConversion.h"
+#include "SurfaceActorView.h"
 #include "SurfaceColors.h"
 #include "SurfaceLevels.h"
 #include "SurfaceShading.h"
+#include "TranslucentScene.h"
 #include "UnsupportedSettings.h"
 #include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRFramebuffer.h"
 
 #include "Error.h"
-#include "Surface/OcclusionFilter.h"
-#include "Surface/SecondaryRays.h"
-#include "Surface/SurfaceFrame.h"
-
 #include "vtkActor.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
@@ -60,91 +58,7 @@ std::size_t layersBeforeOpaque(double opacity)
   return opacity >= 1. ? 1 : static_cast<std::size_t>(std::ceil(std::log(nothing) / std::log1p(-opacity)));
 }
 
-/// Whether depth peeling sorts nothing but this actor, among the renderer's own props.
-bool isAloneInPeeling(vtkRenderer* renderer, vtkActor* actor)
-{
-  bool found = false;
-  vtkPropCollection* props = renderer->GetViewProps();
-  vtkCollectionSimpleIterator at;
-  props->InitTraversal(at);
-  while (vtkProp* prop = props->GetNextProp(at))
-  {
-    if (prop == actor)
-    {
-      found = true;
-    }
-    else if (prop->GetVisibility() &&
-      (prop->HasTranslucentPolygonalGeometry() ||
-        (renderer->GetUseDepthPeelingForVolumes() && vtkVolume::SafeDownCast(prop))))
-    {
-      return false;
-    }
-  }
-  return found;
-}
-
 } // anonymous namespace
-
-//------------------------------------------------------------------------------
-// One actor in one renderer, as one eye sees it. Its picture serves all passes of a frame (depth peeling), its hits all frames
-// until something moves.
-struct vtkTreeAMRIsosurfaceMapper::View
-{
-  vtkWeakPointer<vtkRenderer> Renderer;
-  vtkWeakPointer<vtkActor> Actor;
-  int Eye;
-  unsigned long FrameObserver = 0;
-
-  // What the hits are of.
-  std::shared_ptr<const treeamr::Isosurface> Surface;
-  treeamr::SurfaceLayers Layers = treeamr::SurfaceLayers::Nearest;
-  std::optional<treeamr::Camera> Camera;
-  treeamr::Matrix4 ClipFromData{};
-  treeamr::Matrix4 ViewFromData{};
-  vtkTreeAMRViewport Viewport;
-  std::size_t MostHits = 0; // of a pixel
-  treeamr::ImageReduction Reduction{ 1, 1, 1. };
-  double SampleDistance = 0.;
-  treeamr::HitImage Hits;
-
-  // What it took to trace and shade them, for the drafts to come.
-  treeamr::SampleDistanceControl SampleDistances;
-  double Seconds = 0.; // negative: known
-  bool IsInteractive = false;
-
-  // What is known of the hits besides.
-  std::vector<std::shared_ptr<const treeamr::Field>> ColorFields;
-  std::vector<float> ColorValues; // of each hit one of each field
-  treeamr::SurfaceVisibility Visibility;
-  std::vector<std::uint16_t> OpenRays; // of the AmbientOcclusionRays of each hit
-  int AmbientOcclusionRays = 0;
-  double AmbientOcclusionRadius = 0.; // in the view
-  std::vector<treeamr::Light> ShadowLights;
-
-  vtkTreeAMRSurfaceTextures Picture;
-  bool PictureIsOfThisFrame = false;
-
-  View(vtkRenderer* renderer, vtkActor* actor, int eye)
-    : Renderer(renderer)
-    , Actor(actor)
-    , Eye(eye)
-    , FrameObserver(renderer->AddObserver(vtkCommand::StartEvent, this, &View::StartFrame))
-  {
-  }
-  ~View()
-  {
-    if (this->Renderer)
-    {
-      this->Renderer->RemoveObserver(this->FrameObserver);
-    }
-  }
-  View(const View&) = delete;
-  View& operator=(const View&) = delete;
-
-  void StartFrame() { this->PictureIsOfThisFrame = false; }
-  /// Length in the view of the longest diagonal of the grid's bounds.
-  double DiagonalOf(const treeamr::RootGrid& grid) const;
-};
 
 //------------------------------------------------------------------------------
 struct vtkTreeAMRIsosurfaceMapper::Internals
@@ -155,7 +69,8 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   std::array<treeamr::FieldSlot, 4> ColorSlots; // of the components of a colour
   treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
-  treeamr::OnceReporter Errors;   // of a call of Render()
+  treeamr::OnceReporter Errors; // of a frame
+  bool ErrorsAreOfThisFrame = false;
   treeamr::OnceReporter Warnings; // of a call of Shade(): a frame has one, however often it is rendered
   treeamr::SettingWarnings SettingWarnings;
 
@@ -164,11 +79,11 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   treeamr::ArraySelection Contoured;
   vtkTimeStamp SurfaceTime;
 
-  std::vector<std::unique_ptr<View>> Views;
+  std::vector<std::unique_ptr<treeamr::SurfaceActorView>> Views;
   double LastSampleDistance = 0.;
   vtkTreeAMRSurfaceImage Image; // on its way to the graphics card
 
-  View& ViewOf(vtkMapper* self, vtkRenderer* renderer, vtkActor* actor);
+  treeamr::SurfaceActorView& ViewOf(vtkMapper* self, vtkRenderer* renderer, vtkActor* actor);
 };
 
 //------------------------------------------------------------------------------
@@ -360,10 +275,9 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
   if (internals.Surfaces.set(field, isovalues))
   {
     // Before there are others.
-    for (const std::unique_ptr<View>& view : internals.Views)
+    for (const std::unique_ptr<treeamr::SurfaceActorView>& view : internals.Views)
     {
-      view->Camera.reset();
-      view->Surface.reset();
+      view->surface.release();
     }
     if (!isovalues.empty())
     {
@@ -375,28 +289,68 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
 }
 
 //------------------------------------------------------------------------------
-vtkTreeAMRIsosurfaceMapper::View& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
+treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
   vtkMapper* self, vtkRenderer* renderer, vtkActor* actor)
 {
+  using View = treeamr::SurfaceActorView;
   std::erase_if(this->Views, [self](const std::unique_ptr<View>& view) {
-    return !view->Renderer || !view->Actor || view->Actor->GetMapper() != self;
+    return !view->renderer || !view->actor || view->actor->GetMapper() != self;
   });
   const int eye = treeamr::eyeOf(renderer);
   for (const std::unique_ptr<View>& view : this->Views)
   {
-    if (view->Renderer == renderer && view->Actor == actor && view->Eye == eye)
+    if (view->renderer == renderer && view->actor == actor && view->eye == eye)
     {
       return *view;
     }
   }
-  this->Views.push_back(std::make_unique<View>(renderer, actor, eye));
+  this->Views.push_back(std::make_unique<View>(renderer, actor, eye, [this] {
+    if (this->ErrorsAreOfThisFrame) // the first of all views to be told
+    {
+      this->Errors.endRound();
+      this->ErrorsAreOfThisFrame = false;
+    }
+  }));
   return *this->Views.back();
 }
 
 //------------------------------------------------------------------------------
-double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view)
+treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
+  vtkRenderer* renderer, vtkActor* actor, treeamr::SurfaceLayers layers)
 {
-  if (view.Renderer->GetSelector())
+  treeamr::SurfaceActorView& view = this->Private->ViewOf(this, renderer, actor);
+  this->Private->ErrorsAreOfThisFrame = true;
+  const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
+  treeamr::SurfacePose& pose = view.pose;
+  pose.width = viewport.Width;
+  pose.height = viewport.Height;
+  pose.clipFromData = treeamr::clipFromData(renderer, actor);
+  pose.viewFromData = treeamr::viewFromData(renderer, actor);
+  if (pose.layers != layers)
+  {
+    view.sampleDistances = {};
+  }
+  pose.layers = layers;
+  // Translucent colours may let light through anywhere.
+  pose.mostHits = layers == treeamr::SurfaceLayers::Nearest || this->HasTranslucentPolygonalGeometry()
+    ? allLayers
+    : layersBeforeOpaque(actor->GetProperty()->GetOpacity());
+  view.isInteractive = treeamr::isInteractive(renderer);
+  view.isDraft = view.isInteractive && this->AutoAdjustSampleDistances && !renderer->GetSelector();
+  return view;
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceMapper::UpdateSurface()
+{
+  this->UpdateSurface(this->UpdateInput());
+  return !this->Private->Surfaces.isEmpty();
+}
+
+//------------------------------------------------------------------------------
+double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(treeamr::SurfaceActorView& view)
+{
+  if (view.renderer->GetSelector())
   {
     return 1.;
   }
@@ -404,90 +358,35 @@ double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(View& view)
   {
     return this->ImageSampleDistance;
   }
-  if (!view.IsInteractive)
+  if (!view.isInteractive)
   {
     return this->MinimumImageSampleDistance;
   }
+  if (view.surface.isOf(view.pose))
+  {
+    return view.surface.sampleDistance(); // a still camera keeps the picture there is
+  }
   const double seconds =
-    this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.Actor->GetAllocatedRenderTime();
-  const double pixels = static_cast<double>(view.Viewport.Width) * view.Viewport.Height;
-  return view.SampleDistances.choose(
+    this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.actor->GetAllocatedRenderTime();
+  const double pixels = static_cast<double>(view.pose.width) * view.pose.height;
+  return view.sampleDistances.choose(
     seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::UpdateHits(View& view)
+void vtkTreeAMRIsosurfaceMapper::UpdateHits(treeamr::SurfaceActorView& view, double distance)
 {
-  view.Viewport = vtkTreeAMRFramebuffer::GetViewport(view.Renderer);
-  view.IsInteractive = treeamr::isInteractive(view.Renderer);
-  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(view.Renderer, view.Actor);
-  const treeamr::Matrix4 viewFromData = treeamr::viewFromData(view.Renderer, view.Actor);
-  const treeamr::SurfaceLayers layers = view.Actor->IsRenderingTranslucentPolygonalGeometry()
-    ? treeamr::SurfaceLayers::All
-    : treeamr::SurfaceLayers::Nearest;
-  // Translucent colours may let light through anywhere.
-  const std::size_t mostHits = this->HasTranslucentPolygonalGeometry()
-    ? allLayers
-    : layersBeforeOpaque(view.Actor->GetProperty()->GetOpacity());
-  if (view.Layers != layers)
-  {
-    view.SampleDistances = {};
-  }
-  const bool isNew = !view.Camera || view.Reduction.fullWidth() != view.Viewport.Width ||
-    view.Reduction.fullHeight() != view.Viewport.Height || view.ClipFromData != clipFromData ||
-    view.ViewFromData != viewFromData || view.Layers != layers ||
-    (layers == treeamr::SurfaceLayers::All && view.MostHits != mostHits);
-  const bool isDraft = view.IsInteractive && this->AutoAdjustSampleDistances && !view.Renderer->GetSelector();
-  if (!isNew && isDraft)
-  {
-    return; // draft or not: a still camera loses nothing, and takes no time while something else moves
-  }
-  const double distance = this->ChooseSampleDistance(view);
-  if (!isNew && distance == view.SampleDistance && view.Surface == this->Private->Surfaces.madeInFull())
+  // Draft or not: a still camera loses nothing, and takes no time while something else moves.
+  if (view.surface.isOf(view.pose) && view.surface.sampleDistance() == distance &&
+    (view.isDraft || view.surface.surface() == this->Private->Surfaces.madeInFull()))
   {
     return;
   }
-  view.Camera.reset();
-  view.PictureIsOfThisFrame = false;
-  view.ColorFields.clear();
-  view.Visibility = {};
-  view.OpenRays.clear();
-  view.AmbientOcclusionRays = 0;
-  view.ShadowLights.clear();
-  view.ClipFromData = clipFromData;
-  view.ViewFromData = viewFromData;
-  view.Layers = layers;
-  view.MostHits = mostHits;
-  view.Reduction = treeamr::ImageReduction(view.Viewport.Width, view.Viewport.Height, distance);
-  view.SampleDistance = distance;
-  const treeamr::Camera camera(clipFromData, viewFromData, view.Reduction.width(), view.Reduction.height());
-  view.Surface = isDraft && this->LevelOfDetail > 0.
-    ? this->Private->Surfaces.ofDetail(camera, this->LevelOfDetail)
-    : this->Private->Surfaces.inFull();
+  view.pictureIsOfThisFrame = false;
+  view.colorFields.clear();
   const double start = vtkTimerLog::GetUniversalTime();
-  view.Surface->startFrame();
-  view.Surface->render(camera, layers, view.Hits, mostHits);
-  view.Camera = camera;
-  view.Seconds = vtkTimerLog::GetUniversalTime() - start;
-}
-
-//------------------------------------------------------------------------------
-double vtkTreeAMRIsosurfaceMapper::View::DiagonalOf(const treeamr::RootGrid& grid) const
-{
-  const treeamr::SurfaceFrame frame(this->ViewFromData);
-  const treeamr::Bounds bounds = grid.bounds();
-  double longest = 0.;
-  for (int corner = 0; corner < 4; ++corner)
-  {
-    treeamr::Vec3 diagonal;
-    for (int a = 0; a < 3; ++a)
-    {
-      diagonal[a] = (corner >> a & 1 ? -1. : 1.) * (bounds.max[a] - bounds.min[a]);
-    }
-    const treeamr::Vec3 inView = frame.worldVector(diagonal);
-    longest = std::max(longest, std::sqrt(treeamr::dot(inView, inView)));
-  }
-  return longest;
+  view.surface.trace(this->Private->Surfaces, view.pose, distance, view.isDraft ? this->LevelOfDetail : 0.);
+  view.seconds = vtkTimerLog::GetUniversalTime() - start;
 }
 
 //------------------------------------------------------------------------------
@@ -512,7 +411,8 @@ std::shared_ptr<const Made> vtkTreeAMRIsosurfaceMapper::AcquireColors(
 }
 
 //------------------------------------------------------------------------------
-treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTreeGrid* grid)
+treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(
+  treeamr::SurfaceActorView& view, vtkHyperTreeGrid* grid)
 {
   Internals& internals = *this->Private;
   const treeamr::ColorSource source = treeamr::selectColors(this, grid);
@@ -529,43 +429,45 @@ treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(View& view, vtkHyperTre
     internals.ColorSlots = {};
     if (!categories)
     {
-      view.ColorFields.clear();
-      view.ColorValues.assign(view.Hits.hits.size(), std::numeric_limits<float>::quiet_NaN());
-      return treeamr::mapValues(this, source, view.ColorValues);
+      view.colorFields.clear();
+      view.colorValues.assign(view.surface.hits().hits.size(), std::numeric_limits<float>::quiet_NaN());
+      return treeamr::mapValues(this, source, view.colorValues);
     }
     const std::vector<std::shared_ptr<const treeamr::Field>> numbers{ { categories, &categories->numbers } };
-    if (view.ColorFields != numbers)
+    if (view.colorFields != numbers)
     {
-      view.ColorValues = treeamr::categoriesAtHits(*categories, *view.Surface, view.Hits.hits);
-      view.ColorFields = numbers;
+      view.colorValues =
+        treeamr::categoriesAtHits(*categories, *view.surface.surface(), view.surface.hits().hits);
+      view.colorFields = numbers;
     }
-    return treeamr::mapCategories(
-      this, *categories, view.ColorValues, view.Hits.hits, ofItself ? &view.Surface->isovalues() : nullptr);
+    return treeamr::mapCategories(this, *categories, view.colorValues, view.surface.hits().hits,
+      ofItself ? &view.surface.surface()->isovalues() : nullptr);
   }
   internals.CategorySlot.release();
   if (ofItself)
   {
-    return treeamr::mapIsovalues(this, source, view.Surface->isovalues());
+    return treeamr::mapIsovalues(this, source, view.surface.surface()->isovalues());
   }
   std::vector<std::shared_ptr<const treeamr::Field>> fields;
   for (std::size_t c = 0; c < count; ++c)
   {
     fields.push_back(this->AcquireColors(internals.ColorSlots[c], grid, source.components[c]));
   }
-  if (view.ColorFields != fields)
+  if (view.colorFields != fields)
   {
-    view.ColorFields.clear();
-    view.ColorValues.assign(count * view.Hits.hits.size(), std::numeric_limits<float>::quiet_NaN());
+    view.colorFields.clear();
+    view.colorValues.assign(count * view.surface.hits().hits.size(), std::numeric_limits<float>::quiet_NaN());
     for (std::size_t c = 0; c < count; ++c)
     {
       if (fields[c])
       {
-        treeamr::valuesAtHits(fields[c], *view.Camera, view.Hits, count, &view.ColorValues[c]);
+        treeamr::valuesAtHits(
+          fields[c], view.surface.camera(), view.surface.hits(), count, &view.colorValues[c]);
       }
     }
-    view.ColorFields = fields;
+    view.colorFields = fields;
   }
-  return treeamr::mapValues(this, source, view.ColorValues);
+  return treeamr::mapValues(this, source, view.colorValues);
 }
 
 //------------------------------------------------------------------------------
@@ -590,113 +492,116 @@ bool vtkTreeAMRIsosurfaceMapper::HasTranslucentColors(vtkDataArray* array)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::TraceVisibility(View& view, const std::vector<treeamr::Light>& lights)
-{
-  treeamr::SurfaceVisibility& visibility = view.Visibility;
-  const double radius = this->AmbientOcclusionRadius * view.DiagonalOf(this->Private->Field->octree().grid());
-  if (radius != view.AmbientOcclusionRadius || view.AmbientOcclusionRays > this->AmbientOcclusionSamples)
-  {
-    visibility.open.clear();
-    view.OpenRays.clear();
-    view.AmbientOcclusionRays = 0;
-  }
-  view.AmbientOcclusionRadius = radius;
-  const int end = treeamr::isInteractive(view.Renderer)
-    ? std::min(view.AmbientOcclusionRays + InteractiveSamples, this->AmbientOcclusionSamples)
-    : this->AmbientOcclusionSamples;
-  if (end > view.AmbientOcclusionRays)
-  {
-    // None until all are there: what throws has added some.
-    const int begin = std::exchange(view.AmbientOcclusionRays, 0);
-    visibility.open.clear();
-    if (begin == 0)
-    {
-      view.OpenRays.assign(view.Hits.hits.size(), 0);
-    }
-    treeamr::traceAmbientOcclusion(*view.Surface, *view.Camera, view.Hits, radius, begin, end, view.OpenRays);
-    visibility.open = treeamr::filterAmbientOcclusion(*view.Camera, view.Hits, view.OpenRays, end);
-    view.AmbientOcclusionRays = end;
-  }
-
-  if (!this->Shadows)
-  {
-    visibility.lit.clear();
-    view.ShadowLights.clear();
-  }
-  else if (view.ShadowLights != lights)
-  {
-    view.ShadowLights.clear();
-    treeamr::traceShadows(*view.Surface, *view.Camera, view.Hits, lights, visibility.lit);
-    view.ShadowLights = lights;
-  }
-}
-
-//------------------------------------------------------------------------------
-bool vtkTreeAMRIsosurfaceMapper::ReadDepthToFlatten(const View& view, std::vector<float>& depth)
+treeamr::SurfaceShader vtkTreeAMRIsosurfaceMapper::Light(treeamr::SurfaceActorView& view)
 {
   Internals& internals = *this->Private;
-  if (!vtkTreeAMRFramebuffer::IsDepthPeeling(view.Actor))
-  {
-    // VTK's order independent pass would average layers.
-    internals.Framebuffer.ReadDepth(view.Renderer, view.Viewport, depth);
-    return true;
-  }
-  // Each peel draws all layers: where nothing can lie between them, one is the same.
-  return isAloneInPeeling(view.Renderer, view.Actor) &&
-    internals.DepthPeeling.ReadOpaqueDepth(
-      view.Renderer, this, view.Actor, view.Viewport.Width, view.Viewport.Height, depth);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::Shade(View& view, vtkHyperTreeGrid* grid)
-{
-  Internals& internals = *this->Private;
-  vtkProperty* property = view.Actor->GetProperty();
+  vtkProperty* property = view.actor->GetProperty();
   treeamr::SurfaceAppearance appearance;
-  appearance.lights = treeamr::convertLights(view.Renderer);
+  appearance.lights = treeamr::convertLights(view.renderer);
   const bool lit = treeamr::isLit(property, appearance.lights);
   appearance.material = treeamr::convertMaterial(property, lit);
-  appearance.opaque = view.Layers == treeamr::SurfaceLayers::Nearest;
+  appearance.opaque = view.pose.layers == treeamr::SurfaceLayers::Nearest;
   appearance.opacity = appearance.opaque ? 1.f : static_cast<float>(property->GetOpacity());
   appearance.flat = property->GetInterpolation() == VTK_FLAT;
   appearance.ambientOfColors =
     static_cast<float>(lit ? property->GetAmbient() : property->GetAmbient() + property->GetDiffuse());
   appearance.diffuseOfColors = static_cast<float>(lit ? property->GetDiffuse() : 0.);
+  static const treeamr::SurfaceVisibility everywhere;
+  const treeamr::SurfaceVisibility* visibility = &everywhere;
   if (property->GetLighting())
   {
-    this->TraceVisibility(view, appearance.lights);
+    treeamr::SecondaryRays wanted;
+    wanted.occlusionSamples = this->AmbientOcclusionSamples;
+    wanted.occlusionRadius =
+      this->AmbientOcclusionRadius * view.surface.diagonalOf(internals.Field->octree().grid());
+    wanted.mostNewSamples = view.isInteractive ? InteractiveSamples : this->AmbientOcclusionSamples;
+    wanted.shadows = this->Shadows;
+    visibility = &view.surface.updateVisibility(wanted, appearance.lights);
   }
 
   treeamr::HitColors colors;
   this->Warn(internals.ContourSlot.remark());
   try
   {
-    colors = this->MapColors(view, grid);
+    colors = this->MapColors(view, this->GetHyperTreeGrid());
   }
   catch (const treeamr::Error& error)
   {
     this->Warn({ error.what(), error.what() });
   }
   internals.Warnings.endRound();
-  treeamr::shadeHits(view.Hits, *view.Camera, appearance,
-    property->GetLighting() ? view.Visibility : treeamr::SurfaceVisibility(), colors, internals.Image);
+  return { view.surface.hits(), view.surface.camera(), std::move(appearance), *visibility,
+    std::move(colors) };
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::RecordFrame(treeamr::SurfaceActorView& view, double shadingSeconds)
+{
+  if (view.seconds >= 0.)
+  {
+    const double pixels = static_cast<double>(view.pose.width) * view.pose.height;
+    view.sampleDistances.record(
+      view.surface.sampleDistance(), (view.seconds + shadingSeconds) / pixels, view.isInteractive);
+    view.seconds = -1.;
+  }
+  this->Private->LastSampleDistance = view.surface.sampleDistance();
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceMapper::ReadDepthToFlatten(
+  const treeamr::SurfaceActorView& view, bool hasAll, std::vector<float>& depth)
+{
+  Internals& internals = *this->Private;
+  if (view.pose.layers == treeamr::SurfaceLayers::Nearest)
+  {
+    return false;
+  }
+  if (!vtkTreeAMRFramebuffer::IsDepthPeeling(view.actor))
+  {
+    // VTK's order independent pass would average layers.
+    internals.Framebuffer.ReadDepth(view.renderer, vtkTreeAMRFramebuffer::GetViewport(view.renderer), depth);
+    return true;
+  }
+  // Each peel draws all layers: where nothing can lie between them, one is the same.
+  return hasAll &&
+    internals.DepthPeeling.ReadOpaqueDepth(
+      view.renderer, this, view.actor, view.pose.width, view.pose.height, depth);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::MakePicture(
+  treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll)
+{
+  Internals& internals = *this->Private;
+  vtkTreeAMRSurfaceImage& image = internals.Image;
+  const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.actor);
+  treeamr::ActorLayers layers(view.renderer, actors, view.pose.layers);
+  const double distance = layers.chooseSampleDistance(0.);
+  const std::vector<treeamr::SurfaceShader>& shaders = layers.trace(distance);
+  const treeamr::ImageReduction reduction(view.pose.width, view.pose.height, distance);
+  const double start = vtkTimerLog::GetUniversalTime();
   std::vector<float> depth;
-  if (view.Layers == treeamr::SurfaceLayers::All && this->ReadDepthToFlatten(view, depth))
+  image.NumberOfTiles = 0;
+  if (shaders.empty())
   {
-    treeamr::flattenLayers(view.Hits, *view.Camera,
-      view.Reduction.isFull() ? depth : view.Reduction.sample(depth), internals.Image);
   }
-  if (!view.Reduction.isFull())
+  else if (this->ReadDepthToFlatten(view, hasAll, depth))
   {
-    treeamr::slopeHits(view.Hits, *view.Camera, internals.Image);
+    treeamr::flattenLayers(
+      shaders, reduction.isFull() ? depth : reduction.sample(depth), !reduction.isFull(), image);
   }
-  const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.Actor);
-  if (geometry)
+  else
   {
-    treeamr::placeHits(view.Hits, *view.Camera, internals.Image);
+    treeamr::shadeHits(shaders.front(), !reduction.isFull(), image);
+    if (geometry)
+    {
+      treeamr::placeHits(shaders.front().hits(), shaders.front().camera(), image);
+    }
   }
-  view.Picture.Upload(
-    vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Reduction, internals.Image, geometry);
+  view.picture.Upload(vtkTreeAMRFramebuffer::GetWindow(view.renderer), reduction, image, geometry);
+  view.picturePose = view.pose;
+  view.pictureIsOfThisFrame = true;
+  layers.recordShading(vtkTimerLog::GetUniversalTime() - start);
 }
 
 //------------------------------------------------------------------------------
@@ -705,41 +610,46 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   Internals& internals = *this->Private;
   internals.SettingWarnings.add(treeamr::unsupportedSettings(actor, this),
     [this](const std::string& message) { vtkWarningMacro(<< message); });
-  vtkHyperTreeGrid* grid = this->UpdateInput();
-  this->UpdateSurface(grid);
-  if (internals.Surfaces.isEmpty())
+  const bool translucent = actor->IsRenderingTranslucentPolygonalGeometry();
+  std::vector<vtkActor*> actors{ actor };
+  bool hasAll = false; // of what is translucent
+  if (translucent)
   {
-    return;
+    treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+    hasAll = scene.has(actor);
+    if (hasAll && (scene.volume || scene.surfaces.front() != actor))
+    {
+      return; // the volume or the first actor draws it
+    }
+    if (hasAll)
+    {
+      actors = std::move(scene.surfaces);
+    }
   }
-  View& view = internals.ViewOf(this, renderer, actor);
-  this->UpdateHits(view);
+  treeamr::SurfaceActorView& view = this->FindView(
+    renderer, actor, translucent ? treeamr::SurfaceLayers::All : treeamr::SurfaceLayers::Nearest);
   if (renderer->GetSelector())
   {
-    this->Select(view);
+    if (this->UpdateSurface())
+    {
+      this->UpdateHits(view, this->ChooseSampleDistance(view));
+      this->Select(view);
+    }
     return;
   }
-  if (!view.PictureIsOfThisFrame || view.Picture.HasGeometry() != vtkTreeAMRFramebuffer::WantsGeometry(actor))
+  if (!view.pictureIsOfThisFrame || view.picturePose != view.pose ||
+    view.picture.HasGeometry() != vtkTreeAMRFramebuffer::WantsGeometry(actor))
   {
-    const double start = vtkTimerLog::GetUniversalTime();
-    this->Shade(view, grid);
-    view.PictureIsOfThisFrame = true;
-    if (view.Seconds >= 0.)
-    {
-      const double seconds = view.Seconds + vtkTimerLog::GetUniversalTime() - start;
-      const double pixels = static_cast<double>(view.Viewport.Width) * view.Viewport.Height;
-      view.SampleDistances.record(view.SampleDistance, seconds / pixels, view.IsInteractive);
-      view.Seconds = -1.;
-    }
-    internals.LastSampleDistance = view.SampleDistance;
+    this->MakePicture(view, actors, hasAll);
   }
-  internals.Framebuffer.DrawSurface(renderer, actor, this, view.Picture);
+  internals.Framebuffer.DrawSurface(renderer, actor, this, view.picture);
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::Select(View& view)
+void vtkTreeAMRIsosurfaceMapper::Select(treeamr::SurfaceActorView& view)
 {
   Internals& internals = *this->Private;
-  vtkHardwareSelector* selector = view.Renderer->GetSelector();
+  vtkHardwareSelector* selector = view.renderer->GetSelector();
   if (selector->GetFieldAssociation() == vtkDataObject::FIELD_ASSOCIATION_POINTS)
   {
     return; // there are none; those behind are hidden by the depths that the selector draws first
@@ -782,16 +692,26 @@ void vtkTreeAMRIsosurfaceMapper::Select(View& view)
     {
       return ofProp;
     }
-    const vtkIdType id = treeamr::globalIndex(*grid, view.Surface->cell(hit));
+    const vtkIdType id = treeamr::globalIndex(*grid, view.surface.surface()->cell(hit));
     std::array<float, 3> rgb;
     vtkHardwareSelector::Convert(low ? id : id >> 24, rgb.data());
     return rgb;
   };
-  treeamr::fillHits(view.Hits, *view.Camera, color, internals.Image);
-  view.PictureIsOfThisFrame = false;
-  view.Picture.Upload(
-    vtkTreeAMRFramebuffer::GetWindow(view.Renderer), view.Reduction, internals.Image, false);
-  internals.Framebuffer.DrawSurface(view.Renderer, view.Actor, this, view.Picture);
+  treeamr::fillHits(view.surface.hits(), view.surface.camera(), color, internals.Image);
+  view.pictureIsOfThisFrame = false;
+  view.picture.Upload(
+    vtkTreeAMRFramebuffer::GetWindow(view.renderer), view.surface.reduction(), internals.Image, false);
+  internals.Framebuffer.DrawSurface(view.renderer, view.actor, this, view.picture);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::ReportError(const std::exception& error)
+{
+  const char* const message = treeamr::describe(error);
+  if (this->Private->Errors.isNews(message))
+  {
+    vtkErrorMacro(<< message);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -805,13 +725,8 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
   }
   catch (const std::exception& error)
   {
-    const char* const message = treeamr::describe(error);
-    if (this->Private->Errors.isNews(message))
-    {
-      vtkErrorMacro(<< message);
-    }
+    this->ReportError(error);
   }
-  this->Private->Errors.endRound();
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
 }
@@ -821,9 +736,9 @@ void vtkTreeAMRIsosurfaceMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Private->Framebuffer.ReleaseGraphicsResources(window);
   this->Private->DepthPeeling.ReleaseGraphicsResources(window);
-  for (const std::unique_ptr<View>& view : this->Private->Views)
+  for (const std::unique_ptr<treeamr::SurfaceActorView>& view : this->Private->Views)
   {
-    view->Picture.ReleaseGraphicsResources(window);
-    view->PictureIsOfThisFrame = false;
+    view->picture.ReleaseGraphicsResources(window);
+    view->pictureIsOfThisFrame = false;
   }
 }

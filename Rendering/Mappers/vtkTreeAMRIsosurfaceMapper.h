@@ -47,21 +47,25 @@
 #include "vtkNew.h"                    // for ContourValues
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 
-#include <memory> // for std::unique_ptr
-#include <string> // for std::string
-#include <vector> // for std::vector
+#include <exception> // for std::exception
+#include <memory>    // for std::unique_ptr
+#include <string>    // for std::string
+#include <vector>    // for std::vector
 
 class vtkContourValues;
 class vtkHyperTreeGrid;
 
 namespace treeamr
 {
+class ActorLayers;
 struct ArraySelection;
-struct Remark;
 class HitColors;
 template <class Made>
 class InputSlot;
-struct Light;
+struct Remark;
+struct SurfaceActorView;
+enum class SurfaceLayers;
+class SurfaceShader;
 } // namespace treeamr
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRIsosurfaceMapper : public vtkMapper
@@ -192,24 +196,29 @@ protected:
   double LevelOfDetail = 2.;
 
 private:
-  struct View;
+  friend class treeamr::ActorLayers; // which draws the surfaces of several mappers together
   struct Internals;
 
   vtkHyperTreeGrid* UpdateInput();
   void UpdateSurface(vtkHyperTreeGrid* grid);
-  void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
+  /// False: there is nothing to draw.
+  bool UpdateSurface();
   /// Null, with a warning of values beyond float, for an array that is NaN everywhere.
   template <class Made>
   std::shared_ptr<const Made> AcquireColors(
     treeamr::InputSlot<Made>& slot, vtkHyperTreeGrid* grid, const treeamr::ArraySelection& selection);
-  treeamr::HitColors MapColors(View& view, vtkHyperTreeGrid* grid);
-  double ChooseSampleDistance(View& view);
-  void UpdateHits(View& view);
-  bool ReadDepthToFlatten(const View& view, std::vector<float>& depth);
-  void Shade(View& view, vtkHyperTreeGrid* grid);
-  void TraceVisibility(View& view, const std::vector<treeamr::Light>& lights);
-  void Select(View& view);
+  treeamr::HitColors MapColors(treeamr::SurfaceActorView& view, vtkHyperTreeGrid* grid);
+  treeamr::SurfaceActorView& FindView(vtkRenderer* renderer, vtkActor* actor, treeamr::SurfaceLayers layers);
+  double ChooseSampleDistance(treeamr::SurfaceActorView& view);
+  void UpdateHits(treeamr::SurfaceActorView& view, double distance);
+  treeamr::SurfaceShader Light(treeamr::SurfaceActorView& view);
+  void RecordFrame(treeamr::SurfaceActorView& view, double shadingSeconds);
+  bool ReadDepthToFlatten(const treeamr::SurfaceActorView& view, bool hasAll, std::vector<float>& depth);
+  void MakePicture(treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll);
+  void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
+  void Select(treeamr::SurfaceActorView& view);
   void Warn(const treeamr::Remark& remark);
+  void ReportError(const std::exception& error);
 
   std::unique_ptr<Internals> Private;
 

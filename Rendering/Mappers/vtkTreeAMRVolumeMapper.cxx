@@ -3,6 +3,8 @@
 #include "MapperInput.h"
 #include "OnceReporter.h"
 #include "SceneConversion.h"
+#include "SurfaceShading.h"
+#include "TranslucentScene.h"
 #include "UnsupportedSettings.h"
 #include "VolumeSurfaces.h"
 #include "vtkTreeAMRDepthPeeling.h"
@@ -34,6 +36,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 vtkStandardNewMacro(vtkTreeAMRVolumeMapper);
@@ -124,6 +127,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   double TransferFunctionSeconds = 0.;
   std::array<treeamr::VolumeSurfaces, 2> Surfaces; // of the field, seen by each eye
   vtkTimeStamp SurfaceTime;
+  treeamr::CollectedLayers Layers; // of these and of the actors that are drawn with the volume
 
   Frame CurrentFrame;
   // Of this field with this transfer function.
@@ -131,6 +135,20 @@ struct vtkTreeAMRVolumeMapper::Internals
   // That met the target in the last still frame.
   std::map<std::pair<vtkRenderer*, vtkVolume*>, double> SamplesPerCell;
   vtkNew<vtkTable> Statistics;
+};
+
+//------------------------------------------------------------------------------
+// What a call of Render() draws.
+struct vtkTreeAMRVolumeMapper::Picture
+{
+  vtkRenderer* Renderer;
+  vtkVolume* Volume;
+  vtkTreeAMRViewport Viewport;
+  bool IsWhole; // with all that is translucent in the renderer
+  bool IsPeeling;
+  bool HasVolume; // else it failed
+  treeamr::ActorLayers Actors;
+  std::optional<std::vector<treeamr::SurfaceShader>> Shaders; // once they are traced, the mapper's own first
 };
 
 //------------------------------------------------------------------------------
@@ -271,7 +289,7 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   const treeamr::IsosurfaceStatistics ofSurfaces =
     surfaces ? surfaces->statistics() : treeamr::IsosurfaceStatistics();
   addColumn(table, "SurfaceBytes", ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes);
-  addColumn(table, "SurfaceHits", seen.hits().hits.size());
+  addColumn(table, "SurfaceHits", seen.hitCount());
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);
   addColumn(table, "SamplesPerCell", frame.SamplesPerCell);
@@ -432,7 +450,10 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
   const int count = contours->GetNumberOfContours();
   if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces))
   {
-    internals.Surfaces = {};
+    for (treeamr::VolumeSurfaces& surfaces : internals.Surfaces)
+    {
+      surfaces.release();
+    }
     if (internals.Categories)
     {
       internals.FieldSlot.release();
@@ -456,9 +477,12 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels)
+void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
 {
   Internals& internals = *this->Private;
+  vtkRenderer* renderer = picture.Renderer;
+  vtkVolume* volume = picture.Volume;
+  const int pixels = picture.Viewport.Width * picture.Viewport.Height;
   const Frame& last = internals.CurrentFrame;
   const auto measured = internals.SampleDistances.find(last.Of);
   if (measured != internals.SampleDistances.end() && last.RayCastingSeconds > 0.)
@@ -496,6 +520,11 @@ void vtkTreeAMRVolumeMapper::StartFrame(vtkRenderer* renderer, vtkVolume* volume
         treeamr::ErrorTarget(found != internals.SamplesPerCell.end() ? found->second : this->SamplesPerCell)
           .samplesPerCell();
     }
+  }
+  if (!picture.Actors.isEmpty())
+  {
+    frame.ImageSampleDistance =
+      picture.Actors.chooseSampleDistance(picture.HasVolume ? frame.ImageSampleDistance : 0.);
   }
   internals.CurrentFrame = frame;
 }
@@ -544,89 +573,193 @@ void vtkTreeAMRVolumeMapper::CastRays(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volume)
+bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* volume)
+{
+  try
+  {
+    this->CheckSettings();
+    this->UpdateField(volume);
+    this->UpdateVertexCache();
+    this->UpdateTransferFunction(volume);
+    this->UpdateIsosurfaces(renderer, volume);
+    return true;
+  }
+  catch (const std::exception& error)
+  {
+    this->ReportError(error);
+    return false;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
+{
+  Internals& internals = *this->Private;
+  const Frame& frame = internals.CurrentFrame;
+  picture.Shaders.emplace();
+  treeamr::VolumeSurfaces& own = internals.Surfaces[frame.Eye];
+  if (picture.HasVolume && !own.isEmpty())
+  {
+    const Stopwatch stopwatch(internals.CurrentFrame.RayCastingSeconds);
+    treeamr::SurfacePose pose;
+    pose.clipFromData = treeamr::clipFromData(picture.Renderer, picture.Volume);
+    pose.viewFromData = treeamr::viewFromData(picture.Renderer, picture.Volume);
+    pose.width = picture.Viewport.Width;
+    pose.height = picture.Viewport.Height;
+    pose.layers = treeamr::SurfaceLayers::All;
+    const treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
+    treeamr::SurfaceAppearance appearance;
+    appearance.opaque = false;
+    appearance.lights = treeamr::convertLights(picture.Renderer);
+    appearance.surfaces = treeamr::convertSurfaceMaterials(picture.Volume->GetProperty(),
+      own.engine()->isovalues(), this->IsosurfaceOpacityScale, appearance.lights);
+    static const treeamr::SurfaceVisibility everywhere;
+    picture.Shaders->emplace_back(
+      view.hits(), view.camera(), std::move(appearance), everywhere, treeamr::HitColors());
+  }
+  const std::vector<treeamr::SurfaceShader>& ofActors = picture.Actors.trace(frame.ImageSampleDistance);
+  picture.Shaders->insert(picture.Shaders->end(), ofActors.begin(), ofActors.end());
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::Composite(
+  Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image)
+{
+  Internals& internals = *this->Private;
+  // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's scale.
+  const treeamr::Camera camera(
+    treeamr::clipFromData(picture.Renderer, picture.Volume), image.width, image.height);
+  const bool isFirst = !picture.Shaders;
+  if (isFirst) // the same for the other part of the rays
+  {
+    this->TraceSurfaces(picture);
+  }
+  const std::vector<treeamr::SurfaceShader>& shaders = *picture.Shaders;
+  if (picture.HasVolume)
+  {
+    if (isFirst && !shaders.empty())
+    {
+      const double start = vtkTimerLog::GetUniversalTime();
+      treeamr::collectLayers(shaders, camera,
+        picture.IsWhole ? std::span<const float>(rays.End) : std::span<const float>(), internals.Layers);
+      picture.Actors.recordShading(vtkTimerLog::GetUniversalTime() - start);
+    }
+    treeamr::RayStops stops = treeamr::RayStops::depths(
+      rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data());
+    if (!shaders.empty())
+    {
+      stops.hits = internals.Layers.hits();
+    }
+    try
+    {
+      this->CastRays(camera, stops, picture.IsPeeling && !picture.IsWhole, image);
+      return;
+    }
+    catch (const std::exception& error)
+    {
+      this->ReportError(error);
+    }
+  }
+  // A volume that fails does not take the actors' surfaces with it.
+  if (!shaders.empty())
+  {
+    const std::vector<float> everything(rays.End.empty() ? image.rgba.size() / 4 : 0, 1.f);
+    treeamr::flattenLayers(shaders, rays.End.empty() ? everything : rays.End, image);
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels)
+{
+  Frame& frame = this->Private->CurrentFrame;
+  const treeamr::ImageReduction reduction(
+    picture.Viewport.Width, picture.Viewport.Height, frame.ImageSampleDistance);
+  vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
+  vtkTreeAMRRaySegments reduced;
+  if (!reduction.isFull())
+  {
+    const Stopwatch stopwatch(frame.CompositingSeconds);
+    reduced = pixels.Reduce(reduction);
+    result.Lengths = pixels.GetLengths();
+  }
+  const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
+  if (!rays.IsEmpty())
+  {
+    this->Composite(picture, rays, result.Image);
+  }
+  return result;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::DrawPeeled(Picture& picture)
 {
   Internals& internals = *this->Private;
   Frame& frame = internals.CurrentFrame;
-  this->CheckSettings();
-  this->UpdateField(volume);
-  this->UpdateVertexCache();
-  this->UpdateTransferFunction(volume);
-  this->UpdateIsosurfaces(renderer, volume);
-  const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
-  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(renderer, volume);
-  treeamr::VolumeSurfaces& ownSurfaces = internals.Surfaces[treeamr::eyeOf(renderer)];
-
-  treeamr::RayStops stops;
-  const bool peeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
-  const auto trace = [&](const vtkTreeAMRRaySegments& pixels) {
-    const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, frame.ImageSampleDistance);
-    vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
-    vtkTreeAMRRaySegments reduced;
-    if (!reduction.isFull())
-    {
-      const Stopwatch stopwatch(frame.CompositingSeconds);
-      reduced = pixels.Reduce(reduction);
-      result.Lengths = pixels.GetLengths();
-    }
-    const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
-    if (!rays.IsEmpty())
-    {
-      // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's
-      // scale.
-      const treeamr::Camera camera(clipFromData, reduction.width(), reduction.height());
-      stops.beginDepth = rays.Begin.empty() ? nullptr : rays.Begin.data();
-      stops.endDepth = rays.End.empty() ? nullptr : rays.End.data();
-      if (!ownSurfaces.isEmpty() && !stops.hits) // the same for the other part of the rays
-      {
-        const Stopwatch stopwatch(frame.RayCastingSeconds);
-        ownSurfaces.trace(clipFromData, reduction.width(), reduction.height(), frame.LevelOfDetail);
-        const std::vector<treeamr::Light> lights = treeamr::convertLights(renderer);
-        ownSurfaces.light(treeamr::convertSurfaceMaterials(volume->GetProperty(),
-                            ownSurfaces.engine()->isovalues(), this->IsosurfaceOpacityScale, lights),
-          lights, treeamr::viewFromData(renderer, volume));
-        stops.hits = ownSurfaces.hits();
-      }
-      this->CastRays(camera, stops, peeling, result.Image);
-    }
-    return result;
-  };
-
-  const int pixels = viewport.Width * viewport.Height;
-  if (peeling)
+  vtkTreeAMRRaySegments front;
+  vtkTreeAMRRaySegments back;
+  const double start = vtkTimerLog::GetUniversalTime();
+  internals.DepthPeeling.Begin(
+    picture.Renderer, this, picture.Volume, picture.Viewport.Width, picture.Viewport.Height, front, back);
+  const double begun = vtkTimerLog::GetUniversalTime();
+  if (internals.DepthPeeling.IsFrameStart())
   {
-    vtkTreeAMRRaySegments front;
-    vtkTreeAMRRaySegments back;
-    const double start = vtkTimerLog::GetUniversalTime();
-    internals.DepthPeeling.Begin(renderer, this, volume, viewport.Width, viewport.Height, front, back);
-    const double begun = vtkTimerLog::GetUniversalTime();
-    if (internals.DepthPeeling.IsFrameStart())
-    {
-      this->StartFrame(renderer, volume, pixels);
-    }
-    frame.CompositingSeconds += begun - start;
-    const vtkTreeAMRRayImage frontImage = trace(front);
-    const vtkTreeAMRRayImage backImage = trace(back);
-    const Stopwatch stopwatch(frame.CompositingSeconds);
-    internals.DepthPeeling.Draw(renderer, frontImage, backImage);
+    this->StartFrame(picture);
   }
-  else
+  frame.CompositingSeconds += begun - start;
+  back.Simplify();
+  const vtkTreeAMRRayImage frontImage = this->Trace(picture, front);
+  const vtkTreeAMRRayImage backImage = this->Trace(picture, back);
+  const Stopwatch stopwatch(frame.CompositingSeconds);
+  internals.DepthPeeling.Draw(picture.Renderer, frontImage, backImage);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::DrawOver(Picture& picture)
+{
+  Internals& internals = *this->Private;
+  Frame& frame = internals.CurrentFrame;
+  this->StartFrame(picture);
+  vtkTreeAMRRaySegments segments;
   {
-    this->StartFrame(renderer, volume, pixels);
-    vtkTreeAMRRaySegments segments;
-    {
-      const Stopwatch stopwatch(frame.CompositingSeconds);
-      std::vector<float>& end = segments.End;
-      internals.Framebuffer.ReadDepth(renderer, viewport, end);
-      // Nothing in the way: the renderer need not look at each ray's end.
-      if (std::all_of(end.begin(), end.end(), [](float depth) { return depth == 1.f; }))
-      {
-        end.clear();
-      }
-    }
-    const vtkTreeAMRRayImage image = trace(segments);
     const Stopwatch stopwatch(frame.CompositingSeconds);
-    internals.Framebuffer.DrawOver(renderer, image);
+    internals.Framebuffer.ReadDepth(picture.Renderer, picture.Viewport, segments.End);
+    segments.Simplify();
+  }
+  const vtkTreeAMRRayImage image = this->Trace(picture, segments);
+  const Stopwatch stopwatch(frame.CompositingSeconds);
+  internals.Framebuffer.DrawOver(picture.Renderer, image);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volume)
+{
+  treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+  const bool isWhole = scene.volume == volume;
+  const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
+  if (isWhole && isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(this, volume))
+  {
+    return false; // that one has drawn everything
+  }
+  if (!isWhole)
+  {
+    scene.surfaces.clear();
+  }
+  Picture picture{ renderer, volume, vtkTreeAMRFramebuffer::GetViewport(renderer), isWhole, isPeeling,
+    this->PrepareVolume(renderer, volume), { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
+  if (picture.HasVolume || !picture.Actors.isEmpty())
+  {
+    isPeeling ? this->DrawPeeled(picture) : this->DrawOver(picture);
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::ReportError(const std::exception& error)
+{
+  const char* const message = treeamr::describe(error);
+  if (this->Private->Messages.isNews(message))
+  {
+    vtkErrorMacro(<< message);
   }
 }
 
@@ -641,19 +774,19 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
   this->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();
+  bool isRound = true;
   try
   {
-    this->RenderVolume(renderer, volume);
+    isRound = this->RenderVolume(renderer, volume);
   }
   catch (const std::exception& error)
   {
-    const char* const message = treeamr::describe(error);
-    if (this->Private->Messages.isNews(message))
-    {
-      vtkErrorMacro(<< message);
-    }
+    this->ReportError(error);
   }
-  this->Private->Messages.endRound();
+  if (isRound)
+  {
+    this->Private->Messages.endRound();
+  }
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
   this->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);

@@ -14,7 +14,9 @@
  * volume, in one pass and in their order.
  *
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons
- * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Isosurfaces leave no depth. What VTK's
+ * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Where nothing is translucent but one such
+ * volume and actors of vtkTreeAMRIsosurfaceMapper, the volume draws these with itself, each ray once through
+ * everything, with and without depth peeling. Isosurfaces leave no depth. What VTK's
  * volume mappers do besides warns once when it is asked for: shading of the volume itself, gradient opacity,
  * two-dimensional functions, components with functions of their own, cropping, clipping planes. Selections
  * pass through volumes. The property's interpolation type is not asked: the field is always continuous, but
@@ -35,10 +37,13 @@
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 #include "vtkVolumeMapper.h"
 
-#include <memory> // for std::unique_ptr
+#include <exception> // for std::exception
+#include <memory>    // for std::unique_ptr
 
 class vtkHyperTreeGrid;
 class vtkTable;
+struct vtkTreeAMRRayImage;
+struct vtkTreeAMRRaySegments;
 namespace treeamr
 {
 struct ArraySelection;
@@ -232,6 +237,7 @@ protected:
 
 private:
   struct Internals;
+  struct Picture;
 
   void CheckSettings();
   void WarnOfSettings(vtkVolume* volume);
@@ -241,10 +247,19 @@ private:
   void UpdateVertexCache();
   void UpdateTransferFunction(vtkVolume* volume);
   void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);
-  void StartFrame(vtkRenderer* renderer, vtkVolume* volume, int pixels);
+  /// False: it failed, and has been reported.
+  bool PrepareVolume(vtkRenderer* renderer, vtkVolume* volume);
+  void StartFrame(const Picture& picture);
+  void TraceSurfaces(Picture& picture);
   void CastRays(
     const treeamr::Camera& camera, const treeamr::RayStops& stops, bool isPart, treeamr::Image& image);
-  void RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
+  void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image);
+  vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
+  void DrawPeeled(Picture& picture);
+  void DrawOver(Picture& picture);
+  /// False: there was nothing left to draw.
+  bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
+  void ReportError(const std::exception& error);
 
   std::unique_ptr<Internals> Private;
 

@@ -202,6 +202,13 @@ vtkTreeAMRDepthPeeling::Stage vtkTreeAMRDepthPeeling::FindStage(
 }
 
 //------------------------------------------------------------------------------
+bool vtkTreeAMRDepthPeeling::IsFirstStage(vtkAbstractMapper* mapper, vtkProp* volume)
+{
+  vtkOpenGLRenderPass* pass = FindPass(volume);
+  return pass && FindStage(pass, mapper, volume) == Stage::Outside;
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume,
   int width, int height, vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back)
 {

@@ -32,6 +32,8 @@ public:
   /// Whether the volume is being rendered by the pass: then Begin, two images and Draw replace drawing over
   /// the framebuffer.
   static bool IsPeeling(vtkProp* volume);
+  /// Whether that is for the first time in a frame. Throws treeamr::Error.
+  static bool IsFirstStage(vtkAbstractMapper* mapper, vtkProp* volume);
 
   /// The segments to trace now, for width x height pixels of the viewport. Throws treeamr::Error.
   void Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume, int width, int height,

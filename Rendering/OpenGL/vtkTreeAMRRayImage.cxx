@@ -70,6 +70,19 @@ bool vtkTreeAMRRaySegments::IsEmpty() const
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRRaySegments::Simplify()
+{
+  if (std::all_of(this->Begin.begin(), this->Begin.end(), [](float depth) { return depth == 0.f; }))
+  {
+    this->Begin.clear();
+    if (std::all_of(this->End.begin(), this->End.end(), [](float depth) { return depth == 1.f; }))
+    {
+      this->End.clear();
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 std::vector<float> vtkTreeAMRRaySegments::GetLengths() const
 {
   std::vector<float> lengths = this->End;

@@ -26,6 +26,8 @@ struct vtkTreeAMRRaySegments
 
   /// Whether there is nothing to trace.
   bool IsEmpty() const;
+  /// Renderers need not look at each ray's ends where all are the whole.
+  void Simplify();
   /// End - Begin, at least 0; empty when End is.
   std::vector<float> GetLengths() const;
   vtkTreeAMRRaySegments Reduce(const treeamr::ImageReduction& reduction) const;

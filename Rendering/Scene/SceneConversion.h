@@ -1,11 +1,12 @@
 // VTK's cameras, lights and properties in the core's terms. Private to the module.
 #pragma once
 
+#include "SurfaceShading.h"
+
 #include "Field/Field.h"
 #include "Field/TransferFunction.h"
 #include "Geometry/Camera.h"
 #include "Surface/Shading.h"
-#include "VolumeSurfaces.h"
 
 #include <vector>
 

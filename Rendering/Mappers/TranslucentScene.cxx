@@ -1,0 +1,182 @@
+#include "TranslucentScene.h"
+
+#include "SceneConversion.h"
+#include "SurfaceActorView.h"
+#include "vtkTreeAMRIsosurfaceMapper.h"
+#include "vtkTreeAMRVolumeMapper.h"
+
+#include "vtkActor.h"
+#include "vtkCameraPass.h"
+#include "vtkCullerCollection.h"
+#include "vtkImageProcessingPass.h"
+#include "vtkNew.h"
+#include "vtkPlaneCollection.h"
+#include "vtkPropCollection.h"
+#include "vtkRenderStepsPass.h"
+#include "vtkRenderer.h"
+#include "vtkVolume.h"
+
+#include <algorithm>
+#include <exception>
+#include <string>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// VTK's own order has volumes last; passes of the user's need not draw them at all.
+bool drawsVolumesLast(vtkRenderer* renderer)
+{
+  vtkRenderPass* pass = renderer->GetPass();
+  while (pass)
+  {
+    if (auto camera = vtkCameraPass::SafeDownCast(pass))
+    {
+      pass = camera->GetDelegatePass();
+    }
+    else if (auto processing = vtkImageProcessingPass::SafeDownCast(pass))
+    {
+      pass = processing->GetDelegatePass();
+    }
+    else if (auto steps = vtkRenderStepsPass::SafeDownCast(pass))
+    {
+      return steps->GetTranslucentPass() && steps->GetVolumetricPass();
+    }
+    else
+    {
+      return pass->IsA("vtkPVDefaultPass") || std::string(pass->GetClassName()) == "vtkDefaultPass";
+    }
+  }
+  return !renderer->GetPass();
+}
+
+/// Cullers take props out of the frame by giving them no time.
+bool isCulled(vtkRenderer* renderer, vtkProp* prop)
+{
+  return renderer->GetCullers()->GetNumberOfItems() > 0 && prop->GetRenderTimeMultiplier() == 0.;
+}
+
+/// What cuts a volume is not to cut the surfaces of others.
+bool cutsAway(vtkVolume* volume)
+{
+  auto mapper = vtkVolumeMapper::SafeDownCast(volume->GetMapper());
+  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
+  return mapper->GetCropping() || (planes && planes->GetNumberOfItems() > 0);
+}
+
+/// Whether some prop that is drawn as a volume is in it.
+bool hasVolumes(vtkProp* prop)
+{
+  vtkNew<vtkPropCollection> volumes;
+  prop->GetVolumes(volumes);
+  return volumes->GetNumberOfItems() > 0 || prop->IsA("vtkLODProp3D");
+}
+
+} // namespace
+
+bool TranslucentScene::has(const vtkActor* actor) const
+{
+  return std::find(surfaces.begin(), surfaces.end(), actor) != surfaces.end();
+}
+
+TranslucentScene findTranslucentScene(vtkRenderer* renderer)
+{
+  TranslucentScene scene;
+  vtkPropCollection* props = renderer->GetViewProps();
+  vtkCollectionSimpleIterator at;
+  props->InitTraversal(at);
+  while (vtkProp* prop = props->GetNextProp(at))
+  {
+    if (!prop->GetVisibility() || isCulled(renderer, prop))
+    {
+      continue;
+    }
+    auto volume = vtkVolume::SafeDownCast(prop);
+    if (volume && vtkTreeAMRVolumeMapper::SafeDownCast(volume->GetMapper()) && !scene.volume)
+    {
+      // Without an input VTK does not ask it to draw.
+      scene.volume = volume->GetMapper()->GetDataObjectInput() ? volume : nullptr;
+      continue;
+    }
+    auto actor = vtkActor::SafeDownCast(prop);
+    const bool isSurface = actor && vtkTreeAMRIsosurfaceMapper::SafeDownCast(actor->GetMapper());
+    if (isSurface && actor->HasTranslucentPolygonalGeometry())
+    {
+      scene.surfaces.push_back(actor);
+    }
+    else if (!isSurface && (prop->HasTranslucentPolygonalGeometry() || hasVolumes(prop)))
+    {
+      return {};
+    }
+  }
+  if (scene.volume && (!drawsVolumesLast(renderer) || cutsAway(scene.volume)))
+  {
+    return {};
+  }
+  return scene;
+}
+
+//------------------------------------------------------------------------------
+ActorLayers::ActorLayers(vtkRenderer* renderer, std::span<vtkActor* const> actors, SurfaceLayers layers)
+  : isInteractive_(isInteractive(renderer))
+{
+  for (vtkActor* actor : actors)
+  {
+    auto mapper = static_cast<vtkTreeAMRIsosurfaceMapper*>(actor->GetMapper());
+    try
+    {
+      SurfaceActorView& view = mapper->FindView(renderer, actor, layers);
+      if (mapper->UpdateSurface())
+      {
+        surfaces_.push_back({ mapper, &view, mapper->ChooseSampleDistance(view) });
+      }
+    }
+    catch (const std::exception& error)
+    {
+      mapper->ReportError(error);
+    }
+  }
+}
+
+double ActorLayers::chooseSampleDistance(double own) const
+{
+  double distance = own;
+  for (const Surface& surface : surfaces_)
+  {
+    distance = distance == 0. ? surface.wantedDistance
+      : isInteractive_        ? std::max(distance, surface.wantedDistance)
+                              : std::min(distance, surface.wantedDistance);
+  }
+  return std::max(1., distance);
+}
+
+const std::vector<SurfaceShader>& ActorLayers::trace(double sampleDistance)
+{
+  shaders_.clear();
+  std::erase_if(surfaces_, [&](const Surface& surface) {
+    try
+    {
+      surface.mapper->UpdateHits(*surface.view, sampleDistance);
+      shaders_.push_back(surface.mapper->Light(*surface.view));
+      return false;
+    }
+    catch (const std::exception& error)
+    {
+      surface.mapper->ReportError(error);
+      return true;
+    }
+  });
+  return shaders_;
+}
+
+void ActorLayers::recordShading(double seconds)
+{
+  for (const Surface& surface : surfaces_)
+  {
+    surface.mapper->RecordFrame(*surface.view, seconds / static_cast<double>(surfaces_.size()));
+  }
+}
+
+} // namespace treeamr

@@ -1,0 +1,71 @@
+// What lets light through in a renderer, when all of that is known here: it needs no sorting by VTK then, but is
+// drawn as one picture, each ray once through everything. Private to the module.
+//
+// vtkDualDepthPeelingPass sorts by drawing all layers once for each that it takes off, keeps colours in 8 bits and
+// walks through a volume from peel to peel. Where nothing of others lies between, the surfaces' hits and the volume
+// are composited along each ray instead: the surfaces draw nothing themselves, the volume draws them with itself;
+// without a volume the first of the surfaces draws all.
+#pragma once
+
+#include "SurfaceShading.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+class vtkActor;
+class vtkRenderer;
+class vtkTreeAMRIsosurfaceMapper;
+class vtkVolume;
+
+namespace treeamr
+{
+
+struct SurfaceActorView;
+
+/// The props of a renderer that are translucent, visible and not culled.
+struct TranslucentScene
+{
+  std::vector<vtkActor*> surfaces; // of vtkTreeAMRIsosurfaceMapper, as the renderer has them
+  vtkVolume* volume = nullptr;     // of vtkTreeAMRVolumeMapper
+
+  bool has(const vtkActor* actor) const;
+};
+
+/// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; when the volume is clipped or
+/// cropped; and when volumes may not be drawn after surfaces (the renderer has passes that are not known). While the
+/// renderer draws.
+TranslucentScene findTranslucentScene(vtkRenderer* renderer);
+
+/// The surfaces of actors on their way into one picture. Errors are reported by the actors' mappers, once; such an
+/// actor is left out.
+class ActorLayers
+{
+public:
+  /// Takes all their layers, or of each the nearest surface.
+  ActorLayers(vtkRenderer* renderer, std::span<vtkActor* const> actors, SurfaceLayers layers);
+  ActorLayers(const ActorLayers&) = delete;
+  ActorLayers& operator=(const ActorLayers&) = delete;
+
+  bool isEmpty() const noexcept { return surfaces_.empty(); }
+  /// Of one picture: the distance between rays that all can keep up with while the camera moves, else the least that
+  /// any asks for. `own`: of whoever draws the surfaces besides; 0 for none.
+  double chooseSampleDistance(double own) const;
+  /// Traces what is not known yet. The shaders last as long as this.
+  const std::vector<SurfaceShader>& trace(double sampleDistance);
+  /// What it took to shade all of them, to be shared.
+  void recordShading(double seconds);
+
+private:
+  struct Surface
+  {
+    vtkTreeAMRIsosurfaceMapper* mapper;
+    SurfaceActorView* view;
+    double wantedDistance;
+  };
+  bool isInteractive_;
+  std::vector<Surface> surfaces_; // that have something to draw
+  std::vector<SurfaceShader> shaders_;
+};
+
+} // namespace treeamr
