@@ -86,6 +86,7 @@ struct RayStops
   void addBox(const Bounds& box);
   /// Whether places of data coordinates are cut away.
   bool cutsData() const noexcept { return !halfSpaces.empty() || cropping; }
+  bool isEmpty() const noexcept { return !beginDepth && !endDepth && !cutsData(); }
 
   /// What is left of a ray's [begin, end) by the half spaces and cropping regions. The direction may have any length:
   /// t counts in it. The end may be infinite.

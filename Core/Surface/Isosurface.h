@@ -4,6 +4,7 @@
 
 #include "Field/Field.h"
 #include "Geometry/Camera.h"
+#include "Geometry/RayStops.h"
 #include "MemoryBudget.h"
 
 #include <array>
@@ -93,6 +94,9 @@ public:
   /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at
   /// most.
   void render(const Camera& camera, SurfaceLayers layers, HitImage& image,
+    std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
+  /// The same of what the stops leave.
+  void render(const Camera& camera, const RayStops& stops, SurfaceLayers layers, HitImage& image,
     std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
 
   /// Its place.

@@ -4,9 +4,12 @@
 // After foreach_target.h: the rest is compiled once for each target.
 #include "Surface/SurfaceKernel.h"
 
+#include "Surface/SurfaceFrame.h"
+
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -21,6 +24,7 @@ using Tag = hn::CappedTag<double, 8>;
 using IntTag = hn::RebindToSigned<Tag>;
 using BitsTag = hn::RebindToUnsigned<Tag>;
 using Doubles = hn::Vec<Tag>;
+using Integers = hn::Vec<IntTag>;
 using Mask = hn::Mask<Tag>;
 
 HWY_INLINE Doubles set(double x)
@@ -28,18 +32,12 @@ HWY_INLINE Doubles set(double x)
   return hn::Set(Tag(), x);
 }
 
-/// Of four (or five) numbers the one that an index of whole numbers from 0 names.
-HWY_INLINE Doubles pick(Mask is1, Mask is2, Mask is3, Doubles v0, Doubles v1, Doubles v2, Doubles v3)
-{
-  return hn::IfThenElse(is3, v3, hn::IfThenElse(is2, v2, hn::IfThenElse(is1, v1, v0)));
-}
-
 /// The state of a vector of rays along one axis.
 struct Axis
 {
   Doubles origin;
   Doubles direction;
-  std::array<Doubles, 5> planeT; // in the order that the ray crosses the planes
+  std::array<Doubles, 3> planeT; // of those between octants, in the order that the ray crosses them
   Doubles next;                  // of them
   Doubles passed;                // octants
   Doubles cell;
@@ -47,8 +45,10 @@ struct Axis
 
   HWY_INLINE void findNext()
   {
-    next = pick(hn::Eq(passed, set(1.)), hn::Eq(passed, set(2.)), hn::Eq(passed, set(3.)), planeT[1],
-      planeT[2], planeT[3], planeT[4]);
+    // Beyond the last one the block ends.
+    next = hn::IfThenElse(hn::Eq(passed, set(0.)), planeT[0],
+      hn::IfThenElse(hn::Eq(passed, set(1.)), planeT[1],
+        hn::IfThenElse(hn::Eq(passed, set(2.)), planeT[2], set(std::numeric_limits<double>::infinity()))));
   }
   HWY_INLINE void advance(Mask rays)
   {
@@ -101,160 +101,479 @@ struct CornerValues
   }
 };
 
-/// False only where a cubic has no root that visitRoots() would visit: it lies in the hull of its Bernstein
-/// coefficients.
-HWY_INLINE Mask mayVanish(const std::array<Doubles, 4>& c, Doubles tolerance)
+/// Of the Bernstein coefficients of a cubic, in which it lies on [0, 1].
+struct Hull
 {
-  const Doubles third = set(1. / 3.);
-  const Doubles last = hn::Add(hn::Add(hn::Add(c[3], c[2]), c[1]), c[0]);
-  const Doubles b1 = hn::Add(c[0], hn::Mul(c[1], third));
-  const Doubles b2 = hn::Add(c[0], hn::Mul(hn::Add(hn::Add(c[1], c[1]), c[2]), third));
-  const Doubles low = hn::Min(hn::Min(c[0], b1), hn::Min(b2, last));
-  const Doubles high = hn::Max(hn::Max(c[0], b1), hn::Max(b2, last));
-  return hn::Not(hn::Or(hn::Gt(low, tolerance), hn::Lt(high, hn::Neg(tolerance))));
-}
+  Doubles low;
+  Doubles high;
 
-void CrossBlock(const SurfaceRecord& record, const BlockPlanes& planes, std::span<const double> isovalues,
-  const SlabRays& rays, int first, int count, OctantCandidates& found)
+  Hull() = default;
+  HWY_INLINE explicit Hull(const std::array<Doubles, 4>& c)
+  {
+    const Doubles third = set(1. / 3.);
+    const Doubles last = hn::Add(hn::Add(hn::Add(c[3], c[2]), c[1]), c[0]);
+    const Doubles b1 = hn::Add(c[0], hn::Mul(c[1], third));
+    const Doubles b2 = hn::Add(c[0], hn::Mul(hn::Add(hn::Add(c[1], c[1]), c[2]), third));
+    low = hn::Min(hn::Min(c[0], b1), hn::Min(b2, last));
+    high = hn::Max(hn::Max(c[0], b1), hn::Max(b2, last));
+  }
+  /// False where the value is outside by more than the tolerance: then visitRoots() finds nothing.
+  HWY_INLINE Mask has(Doubles value, Doubles tolerance) const
+  {
+    return hn::Not(
+      hn::Or(hn::Gt(hn::Sub(low, value), tolerance), hn::Lt(hn::Sub(high, value), hn::Neg(tolerance))));
+  }
+};
+
+/// Parts of rays in active octants: what the walk finds, in the order of each ray.
+struct Crossings
+{
+  using Component = std::array<double, OctantCandidates::mostRays * OctantCandidates::mostOctants + 8>;
+  int count = 0;
+  alignas(64) Component t0;
+  alignas(64) Component t1;
+  alignas(64) std::array<std::int64_t, std::tuple_size_v<Component>> code; // ray << 32 | octant
+
+  HWY_INLINE void add(Mask rays, Doubles begin, Doubles end, Integers codes)
+  {
+    const Tag d;
+    hn::CompressStore(begin, rays, d, &t0[count]);
+    hn::CompressStore(end, rays, d, &t1[count]);
+    count +=
+      static_cast<int>(hn::CompressStore(codes, hn::RebindMask(IntTag(), rays), IntTag(), &code[count]));
+  }
+};
+
+/// walkBlock() for a vector of rays from `begin` on; `wanted`: which of them.
+HWY_INLINE void walk(
+  const CrossedBlock& block, const SlabRays& rays, int begin, Mask wanted, Crossings& found)
 {
   const Tag d;
   const IntTag di;
   const BitsTag du;
-  constexpr int lanes = hn::MaxLanes(Tag());
   const Doubles infinity = set(std::numeric_limits<double>::infinity());
-  const double perWidth =
-    std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] });
-  found.count = 0;
-  for (int begin = first; begin < first + count; begin += lanes)
+  const BlockPlanes& planes = block.planes;
+  std::array<Axis, 3> axes;
+  Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
+  Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
+  const Doubles limit = hn::LoadU(d, &rays.limit[begin]);
+  std::array<Mask, 3> up;
+  std::array<Mask, 3> crosses;
+  std::array<Doubles, 3> inverse;
+  for (int a = 0; a < 3; ++a)
   {
-    std::array<Axis, 3> axes;
-    Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
-    Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
-    const Doubles limit = hn::LoadU(d, &rays.limit[begin]);
-    std::array<Mask, 3> up;
-    std::array<Mask, 3> crosses;
-    std::array<Doubles, 3> inverse;
-    for (int a = 0; a < 3; ++a)
-    {
-      Axis& axis = axes[a];
-      const auto& p = planes.at[a];
-      axis.origin = hn::LoadU(d, &rays.origin[a][begin]);
-      axis.direction = hn::LoadU(d, &rays.direction[a][begin]);
-      inverse[a] = hn::LoadU(d, &rays.inverse[a][begin]);
-      up[a] = hn::Gt(axis.direction, hn::Zero(d));
-      crosses[a] = hn::Lt(hn::Abs(inverse[a]), infinity);
-      const Doubles low = hn::Mul(hn::Sub(set(p[0]), axis.origin), inverse[a]);
-      const Doubles high = hn::Mul(hn::Sub(set(p[4]), axis.origin), inverse[a]);
-      // Of two neighbours exactly one has a ray that runs in their face.
-      const Mask inside = hn::And(hn::Ge(axis.origin, set(p[0])), hn::Lt(axis.origin, set(p[4])));
-      axis.planeT[0] = hn::IfThenElse(
-        crosses[a], hn::IfThenElse(up[a], low, high), hn::IfThenElse(inside, hn::Neg(infinity), infinity));
-      axis.planeT[4] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], high, low), infinity);
-      t0 = hn::Max(t0, axis.planeT[0]);
-      t1 = hn::Min(t1, axis.planeT[4]);
-    }
-    Mask alive =
-      hn::And(hn::And(hn::Lt(t0, t1), hn::Le(t0, limit)), hn::FirstN(d, std::size_t(first + count - begin)));
+    Axis& axis = axes[a];
+    // Beyond the octants that may be active there is nothing to find.
+    const Doubles lower = set(planes.at[a][block.first[a]]);
+    const Doubles upper = set(planes.at[a][block.end[a]]);
+    axis.origin = hn::LoadU(d, &rays.origin[a][begin]);
+    axis.direction = hn::LoadU(d, &rays.direction[a][begin]);
+    inverse[a] = hn::LoadU(d, &rays.inverse[a][begin]);
+    up[a] = hn::Gt(axis.direction, hn::Zero(d));
+    crosses[a] = hn::Lt(hn::Abs(inverse[a]), infinity);
+    const Doubles low = hn::Mul(hn::Sub(lower, axis.origin), inverse[a]);
+    const Doubles high = hn::Mul(hn::Sub(upper, axis.origin), inverse[a]);
+    // Of two neighbours exactly one has a ray that runs in their face.
+    const Mask inside = hn::And(hn::Ge(axis.origin, lower), hn::Lt(axis.origin, upper));
+    const Doubles in = hn::IfThenElse(
+      crosses[a], hn::IfThenElse(up[a], low, high), hn::IfThenElse(inside, hn::Neg(infinity), infinity));
+    t0 = hn::Max(t0, in);
+    t1 = hn::Min(t1, hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], high, low), infinity));
+  }
+  Mask alive = hn::And(hn::And(hn::Lt(t0, t1), hn::Le(t0, limit)), wanted);
+  if (hn::AllFalse(d, alive))
+  {
+    return;
+  }
+  for (int a = 0; a < 3; ++a)
+  {
+    Axis& axis = axes[a];
+    const auto& p = planes.at[a];
+    const auto planeAt = [&](int i) { return hn::Mul(hn::Sub(set(p[i]), axis.origin), inverse[a]); };
+    const Doubles low = planeAt(1);
+    const Doubles middle = planeAt(2);
+    const Doubles high = planeAt(3);
+    axis.planeT[0] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], low, high), infinity);
+    axis.planeT[1] = hn::IfThenElse(crosses[a], middle, infinity);
+    axis.planeT[2] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], high, low), infinity);
+    axis.passed =
+      countTrue(hn::Le(axis.planeT[0], t0), hn::Le(axis.planeT[1], t0), hn::Le(axis.planeT[2], t0));
+    const Doubles stays = countTrue(
+      hn::Ge(axis.origin, set(p[1])), hn::Ge(axis.origin, set(p[2])), hn::Ge(axis.origin, set(p[3])));
+    axis.step = hn::IfThenElseZero(crosses[a], hn::IfThenElse(up[a], set(1.), set(-1.)));
+    axis.cell =
+      hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], axis.passed, hn::Sub(set(3.), axis.passed)), stays);
+    axis.findNext();
+  }
+  const auto rayCode = hn::ShiftLeft<32>(hn::Iota(di, begin));
+  const auto active = hn::Set(du, block.record->active);
+  for (;;)
+  {
+    const Doubles tOut = hn::Min(hn::Min(axes[0].next, axes[1].next), hn::Min(axes[2].next, t1));
+    // Rays that are through the block have left it: of their octants only the bits of a number count.
+    const auto octant = hn::ConvertTo(
+      di, hn::Add(axes[0].cell, hn::Add(hn::Mul(set(4.), axes[1].cell), hn::Mul(set(16.), axes[2].cell))));
+    const auto isActive = hn::TestBit(hn::Shr(active, hn::BitCast(du, octant)), hn::Set(du, 1));
+    found.add(hn::And(hn::And(alive, hn::Lt(t0, tOut)), hn::RebindMask(d, isActive)), t0, tOut,
+      hn::Or(rayCode, octant));
+    alive = hn::And(alive, hn::And(hn::Lt(tOut, t1), hn::Le(tOut, limit)));
     if (hn::AllFalse(d, alive))
     {
-      continue;
+      return;
     }
-    const Doubles tolerance = hn::Add(set(record.tolerance),
-      hn::Mul(hn::Mul(set(record.width()), hn::LoadU(d, &rays.rounding[begin])), set(perWidth)));
+    t0 = hn::Max(t0, tOut);
+    const Mask x = hn::Eq(axes[0].next, tOut);
+    const Mask y = hn::AndNot(x, hn::Eq(axes[1].next, tOut));
+    axes[0].advance(x);
+    axes[1].advance(y);
+    axes[2].advance(hn::Not(hn::Or(x, y)));
+  }
+}
+
+/// A vector of crossings, as OctantCrossing: the octants' first vertices, and the places in them.
+struct Places
+{
+  Integers vertex;
+  std::array<Doubles, 3> from;
+  std::array<Doubles, 3> part; // from there to the end
+
+  HWY_INLINE Places(
+    const BlockPlanes& planes, const SlabRays& rays, Integers ray, Integers octant, Doubles t0, Doubles t1)
+  {
+    const Tag d;
+    const IntTag di;
+    const Integers y = hn::ShiftRight<2>(octant);
+    const Integers z = hn::ShiftRight<4>(octant);
+    // x + 5 y + 25 z of x + 4 y + 16 z.
+    vertex = hn::Add(hn::Add(octant, y), hn::Add(z, hn::ShiftLeft<2>(z)));
+    const std::array<Integers, 3> cells{ hn::And(octant, hn::Set(di, 3)), hn::And(y, hn::Set(di, 3)), z };
     for (int a = 0; a < 3; ++a)
     {
-      Axis& axis = axes[a];
-      const auto& p = planes.at[a];
-      const auto planeAt = [&](int i) { return hn::Mul(hn::Sub(set(p[i]), axis.origin), inverse[a]); };
-      const Doubles low = planeAt(1);
-      const Doubles middle = planeAt(2);
-      const Doubles high = planeAt(3);
-      axis.planeT[1] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], low, high), infinity);
-      axis.planeT[2] = hn::IfThenElse(crosses[a], middle, infinity);
-      axis.planeT[3] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], high, low), infinity);
-      axis.passed =
-        countTrue(hn::Le(axis.planeT[1], t0), hn::Le(axis.planeT[2], t0), hn::Le(axis.planeT[3], t0));
-      const Doubles stays = countTrue(
-        hn::Ge(axis.origin, set(p[1])), hn::Ge(axis.origin, set(p[2])), hn::Ge(axis.origin, set(p[3])));
-      axis.step = hn::IfThenElseZero(crosses[a], hn::IfThenElse(up[a], set(1.), set(-1.)));
-      axis.cell =
-        hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], axis.passed, hn::Sub(set(3.), axis.passed)), stays);
-      axis.findNext();
+      const auto& inverse = planes.inverseWidth[a];
+      Doubles plane;
+      Doubles perOctant;
+      if (planes.isUniform) // then all of these are numbers without rounding
+      {
+        plane = hn::Add(set(planes.at[a][0]), hn::Mul(hn::ConvertTo(d, cells[a]), set(1. / inverse[0])));
+        perOctant = set(inverse[0]);
+      }
+      else
+      {
+        plane = hn::GatherIndex(d, planes.at[a].data(), cells[a]);
+        perOctant = hn::GatherIndex(d, inverse.data(), cells[a]);
+      }
+      const Doubles origin = hn::Sub(hn::GatherIndex(d, rays.origin[a].data(), ray), plane);
+      const Doubles direction = hn::GatherIndex(d, rays.direction[a].data(), ray);
+      const auto place = [&](Doubles t) {
+        const Doubles x = hn::Mul(hn::Add(origin, hn::Mul(t, direction)), perOctant);
+        return hn::Min(hn::Max(x, hn::Zero(d)), set(1.));
+      };
+      from[a] = place(t0);
+      part[a] = hn::Sub(place(t1), from[a]);
     }
-    const auto rayCode = hn::ShiftLeft<32>(hn::Iota(di, begin));
-    for (;;)
+  }
+};
+
+void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
+  int count, OctantCandidates& found)
+{
+  const Tag d;
+  const IntTag di;
+  constexpr int lanes = hn::MaxLanes(Tag());
+  const CrossedBlock& block = found.last();
+  const SurfaceRecord& record = *block.record;
+  const BlockPlanes& planes = block.planes;
+  Crossings crossings;
+  for (int begin = 0; begin < count; begin += lanes)
+  {
+    walk(block, rays, first + begin, hn::FirstN(d, static_cast<std::size_t>(count - begin)), crossings);
+  }
+  const Doubles perWidth =
+    set(std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] }));
+  // Beyond the last crossing there may be anything.
+  const auto all = hn::Set(di, (static_cast<std::int64_t>(SlabRays::most - 1) << 32) | 63);
+  const auto blockCode =
+    hn::Set(di, static_cast<std::int64_t>(found.blockCount - 1) << OctantCandidates::blockShift);
+  for (int i = 0; i < crossings.count; i += lanes)
+  {
+    const Mask valid = hn::FirstN(d, static_cast<std::size_t>(crossings.count - i));
+    const Doubles t0 = hn::LoadU(d, &crossings.t0[i]);
+    const Doubles t1 = hn::LoadU(d, &crossings.t1[i]);
+    const Integers code = hn::And(hn::LoadU(di, &crossings.code[i]), all);
+    const Integers ray = hn::ShiftRight<32>(code);
+    const Integers octant = hn::And(code, hn::Set(di, 63));
+    const Places places(planes, rays, ray, octant, t0, t1);
+    const Doubles rounding = hn::GatherIndex(d, rays.rounding.data(), ray);
+    const Doubles tolerance =
+      hn::Add(set(record.tolerance), hn::Mul(hn::Mul(set(record.width()), rounding), perWidth));
+    CornerValues values;
+    for (int corner = 0; corner < 8; ++corner)
     {
-      const Doubles tOut = hn::Min(hn::Min(axes[0].next, axes[1].next), hn::Min(axes[2].next, t1));
-      const auto octant = hn::ConvertTo(
-        di, hn::Add(axes[0].cell, hn::Add(hn::Mul(set(4.), axes[1].cell), hn::Mul(set(16.), axes[2].cell))));
-      const auto bit = hn::And(hn::Shr(hn::Set(du, record.active), hn::BitCast(du, octant)), hn::Set(du, 1));
-      const Mask crossed = hn::And(
-        hn::And(alive, hn::Lt(t0, tOut)), hn::MaskFromVec(hn::BitCast(d, hn::Sub(hn::Zero(du), bit))));
-      if (!hn::AllFalse(d, crossed))
+      const int offset = (corner & 1) + 5 * (corner >> 1 & 1) + 25 * (corner >> 2);
+      values.at[corner] = hn::GatherIndex(d, record.values.data() + offset, places.vertex);
+    }
+    Hull hull{};
+    if (isovalues.size() > 1)
+    {
+      hull = Hull(values.along(hn::Zero(d), places.from, places.part));
+    }
+    for (std::size_t surface = 0; surface < isovalues.size(); ++surface)
+    {
+      const Doubles isovalue = set(isovalues[surface]);
+      // That of the field alone has been rounded otherwise, by less than the tolerance.
+      if (isovalues.size() > 1 &&
+        hn::AllFalse(d, hn::And(valid, hull.has(isovalue, hn::Mul(set(4.), tolerance)))))
       {
-        std::array<Doubles, 3> from;
-        std::array<Doubles, 3> part;
-        for (int a = 0; a < 3; ++a)
+        continue;
+      }
+      const std::array<Doubles, 4> cubic = values.along(isovalue, places.from, places.part);
+      const Mask keep = hn::And(valid, Hull(cubic).has(hn::Zero(d), tolerance));
+      if (hn::AllFalse(d, keep))
+      {
+        continue;
+      }
+      const int at = found.count;
+      hn::CompressStore(t0, keep, d, &found.t0[at]);
+      hn::CompressStore(t1, keep, d, &found.t1[at]);
+      for (int c = 0; c < 4; ++c)
+      {
+        hn::CompressStore(cubic[c], keep, d, &found.cubic[c][at]);
+      }
+      for (int a = 0; a < 3; ++a)
+      {
+        hn::CompressStore(places.from[a], keep, d, &found.from[a][at]);
+        hn::CompressStore(places.part[a], keep, d, &found.part[a][at]);
+      }
+      hn::CompressStore(tolerance, keep, d, &found.tolerance[at]);
+      const auto number = static_cast<std::int64_t>(firstIsovalue + surface);
+      const Integers codes =
+        hn::Or(hn::Or(code, blockCode), hn::Set(di, number << OctantCandidates::isovalueShift));
+      found.count +=
+        static_cast<int>(hn::CompressStore(codes, hn::RebindMask(di, keep), di, &found.code[at]));
+    }
+  }
+}
+
+/// A vector of cubics.
+struct Cubics
+{
+  std::array<Doubles, 4> c;
+
+  HWY_INLINE Doubles at(Doubles s) const
+  {
+    return hn::Add(hn::Mul(hn::Add(hn::Mul(hn::Add(hn::Mul(c[3], s), c[2]), s), c[1]), s), c[0]);
+  }
+  HWY_INLINE Doubles slopeAt(Doubles s) const
+  {
+    return hn::Add(hn::Mul(hn::Add(hn::Mul(hn::Mul(set(3.), c[3]), s), hn::Mul(set(2.), c[2])), s), c[1]);
+  }
+
+  /// closeBracket() for some of them.
+  HWY_INLINE Doubles closeBrackets(Mask open, Doubles a, Doubles b, Doubles atA, Doubles atB) const
+  {
+    const Tag d;
+    const auto between = [&](Doubles s) { return hn::And(hn::Gt(s, a), hn::Lt(s, b)); };
+    const auto middle = [&] { return hn::Mul(set(0.5), hn::Add(a, b)); };
+    const Mask negativeAtA = hn::Lt(atA, hn::Zero(d));
+    Doubles s = hn::Add(a, hn::Mul(hn::Sub(b, a), hn::Div(atA, hn::Sub(atA, atB))));
+    s = hn::IfThenElse(between(s), s, middle());
+    for (int i = 0; i < 64 && !hn::AllFalse(d, open); ++i)
+    {
+      const Doubles f = at(s);
+      open = hn::AndNot(hn::Eq(f, hn::Zero(d)), open);
+      const Mask isA = hn::Not(hn::Xor(hn::Lt(f, hn::Zero(d)), negativeAtA));
+      a = hn::IfThenElse(hn::And(open, isA), s, a);
+      b = hn::IfThenElse(hn::AndNot(isA, open), s, b);
+      Doubles next = hn::Sub(s, hn::Div(f, slopeAt(s)));
+      next = hn::IfThenElse(between(next), next, middle());
+      const Mask isLast = hn::Or(hn::Eq(next, s), hn::Not(between(next)));
+      s = hn::IfThenElse(open, next, s);
+      open = hn::AndNot(isLast, open);
+    }
+    return s;
+  }
+};
+
+void FindRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found)
+{
+  const Tag d;
+  constexpr int lanes = hn::MaxLanes(Tag());
+  const Doubles zero = hn::Zero(d);
+  const Doubles one = set(1.);
+  found.count = 0;
+  for (int i = 0; i < candidates.count; i += lanes)
+  {
+    Cubics cubics;
+    auto& c = cubics.c;
+    for (int k = 0; k < 4; ++k)
+    {
+      c[k] = hn::LoadU(d, &candidates.cubic[k][i]);
+    }
+    const Doubles tolerance = hn::LoadU(d, &candidates.tolerance[i]);
+    const auto snapped = [&](Doubles value) {
+      return hn::IfThenZeroElse(hn::Le(hn::Abs(value), tolerance), value);
+    };
+    const Doubles first = snapped(c[0]);
+    const Doubles last = snapped(cubics.at(one));
+    const Doubles second = hn::Add(c[0], hn::Mul(c[1], set(1. / 3.)));
+    const Doubles third = hn::Add(c[0], hn::Mul(hn::Add(hn::Mul(set(2.), c[1]), c[2]), set(1. / 3.)));
+    const Doubles low = hn::Min(hn::Min(first, second), hn::Min(third, last));
+    const Doubles high = hn::Max(hn::Max(first, second), hn::Max(third, last));
+    Mask open = hn::AndNot(hn::Or(hn::Gt(low, tolerance), hn::Lt(high, hn::Neg(tolerance))),
+      hn::FirstN(d, static_cast<std::size_t>(candidates.count - i)));
+
+    const Doubles three = hn::Mul(set(3.), c[3]);
+    const Doubles discriminant = hn::Sub(hn::Mul(c[2], c[2]), hn::Mul(three, c[1]));
+    const Mask bends = hn::Gt(discriminant, zero);
+    const Doubles q =
+      hn::Neg(hn::Add(c[2], hn::CopySign(hn::Sqrt(hn::IfThenElseZero(bends, discriminant)), c[2])));
+    const Doubles e0 = hn::Div(q, three);
+    const Doubles e1 = hn::Div(c[1], q);
+    const Mask ascends = hn::Lt(e0, e1);
+    const Doubles lower = hn::IfThenElse(ascends, e0, e1);
+    const Doubles upper = hn::IfThenElse(ascends, e1, e0);
+    const auto inside = [&](Doubles e) { return hn::And(bends, hn::And(hn::Gt(e, zero), hn::Lt(e, one))); };
+    const Mask hasLower = inside(lower);
+    const Mask hasUpper = inside(upper);
+    // Ends of the pieces; missing ones are at the end.
+    const std::array<Doubles, 4> knots{ zero,
+      hn::IfThenElse(hasLower, lower, hn::IfThenElse(hasUpper, upper, one)),
+      hn::IfThenElse(hn::And(hasLower, hasUpper), upper, one), one };
+    const std::array<Mask, 3> ends{ hn::Not(hn::Or(hasLower, hasUpper)), hn::Not(hn::And(hasLower, hasUpper)),
+      hn::Eq(one, one) };
+
+    const Doubles t0 = hn::LoadU(d, &candidates.t0[i]);
+    const Doubles length = hn::Sub(hn::LoadU(d, &candidates.t1[i]), t0);
+    constexpr int most = CandidateRoots::mostOfEach;
+    HWY_ALIGN double s[most][lanes];
+    HWY_ALIGN double t[most][lanes];
+    std::array<std::uint64_t, most> isRoot{};
+    const auto add = [&](int slot, Mask roots, Doubles at) {
+      hn::Store(at, d, s[slot]);
+      hn::Store(hn::Add(t0, hn::Mul(at, length)), d, t[slot]);
+      HWY_ALIGN std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, roots, bits);
+      isRoot[slot] = bits[0];
+      if (firstOnly)
+      {
+        open = hn::AndNot(roots, open);
+      }
+    };
+    add(0, hn::And(open, hn::Eq(first, zero)), zero);
+    Doubles before = first;
+    for (int piece = 0; piece < 3 && !hn::AllFalse(d, open); ++piece)
+    {
+      const Doubles after = hn::IfThenElse(ends[piece], last, cubics.at(knots[piece + 1]));
+      const Mask differs = hn::Xor(hn::Lt(before, zero), hn::Lt(after, zero));
+      const Mask bracket =
+        hn::And(hn::And(open, differs), hn::And(hn::Ne(before, zero), hn::Ne(after, zero)));
+      Doubles root = knots[piece + 1];
+      if (!hn::AllFalse(d, bracket))
+      {
+        root = hn::IfThenElse(
+          bracket, cubics.closeBrackets(bracket, knots[piece], knots[piece + 1], before, after), root);
+      }
+      add(piece + 1, hn::Or(bracket, hn::And(open, hn::Eq(after, zero))), root);
+      open = hn::AndNot(ends[piece], open);
+      before = after;
+    }
+    std::uint64_t any = 0;
+    for (const std::uint64_t bits : isRoot)
+    {
+      any |= bits;
+    }
+    for (; any != 0; any &= any - 1)
+    {
+      const int lane = std::countr_zero(any);
+      for (int slot = 0; slot < most; ++slot)
+      {
+        if (isRoot[slot] >> lane & 1)
         {
-          const Axis& axis = axes[a];
-          const auto& p = planes.at[a];
-          const auto& w = planes.inverseWidth[a];
-          const Mask is1 = hn::Eq(axis.cell, set(1.));
-          const Mask is2 = hn::Eq(axis.cell, set(2.));
-          const Mask is3 = hn::Eq(axis.cell, set(3.));
-          const Doubles plane = pick(is1, is2, is3, set(p[0]), set(p[1]), set(p[2]), set(p[3]));
-          const Doubles perOctant = pick(is1, is2, is3, set(w[0]), set(w[1]), set(w[2]), set(w[3]));
-          const Doubles origin = hn::Sub(axis.origin, plane);
-          const auto place = [&](Doubles t) {
-            const Doubles x = hn::Mul(hn::Add(origin, hn::Mul(t, axis.direction)), perOctant);
-            return hn::Min(hn::Max(x, hn::Zero(d)), set(1.));
-          };
-          from[a] = place(t0);
-          part[a] = hn::Sub(place(tOut), from[a]);
-        }
-        // Rays that are through the block have left it.
-        const Doubles place =
-          hn::Add(axes[0].cell, hn::Add(hn::Mul(set(5.), axes[1].cell), hn::Mul(set(25.), axes[2].cell)));
-        const auto vertex = hn::ConvertTo(di, hn::IfThenElseZero(crossed, place));
-        CornerValues values;
-        for (int corner = 0; corner < 8; ++corner)
-        {
-          const int offset = (corner & 1) + 5 * (corner >> 1 & 1) + 25 * (corner >> 2);
-          values.at[corner] = hn::GatherIndex(d, record.values.data() + offset, vertex);
-        }
-        for (std::size_t surface = 0; surface < isovalues.size(); ++surface)
-        {
-          const std::array<Doubles, 4> cubic = values.along(set(isovalues[surface]), from, part);
-          const Mask keep = hn::And(crossed, mayVanish(cubic, tolerance));
-          if (hn::AllFalse(d, keep))
-          {
-            continue;
-          }
-          const int at = found.count;
-          hn::CompressStore(t0, keep, d, &found.t0[at]);
-          hn::CompressStore(tOut, keep, d, &found.t1[at]);
-          for (int i = 0; i < 4; ++i)
-          {
-            hn::CompressStore(cubic[i], keep, d, &found.cubic[i][at]);
-          }
-          hn::CompressStore(tolerance, keep, d, &found.tolerance[at]);
-          const auto code =
-            hn::Or(rayCode, hn::Or(octant, hn::Set(di, static_cast<std::int64_t>(surface << 6))));
-          found.count +=
-            static_cast<int>(hn::CompressStore(code, hn::RebindMask(di, keep), di, &found.code[at]));
+          found.s[found.count] = s[slot][lane];
+          found.t[found.count] = t[slot][lane];
+          found.candidate[found.count++] = i + lane;
         }
       }
-      alive = hn::And(alive, hn::And(hn::Lt(tOut, t1), hn::Le(tOut, limit)));
-      if (hn::AllFalse(d, alive))
+    }
+  }
+}
+
+/// normalized() for vectors of vectors.
+HWY_INLINE std::array<Doubles, 3> normalizedVectors(const std::array<Doubles, 3>& v)
+{
+  const Tag d;
+  const Doubles square = hn::Add(hn::Add(hn::Mul(v[0], v[0]), hn::Mul(v[1], v[1])), hn::Mul(v[2], v[2]));
+  const Doubles length = hn::Sqrt(square);
+  std::array<Doubles, 3> n{ hn::Div(v[0], length), hn::Div(v[1], length), hn::Div(v[2], length) };
+  if (!hn::AllTrue(d, hn::And(hn::Gt(square, set(1e-280)), hn::Lt(square, set(1e300)))))
+  {
+    constexpr int lanes = hn::MaxLanes(Tag());
+    HWY_ALIGN double from[3][lanes];
+    for (int a = 0; a < 3; ++a)
+    {
+      hn::Store(v[a], d, from[a]);
+    }
+    for (int lane = 0; lane < lanes; ++lane)
+    {
+      const Vec3 one = normalized({ from[0][lane], from[1][lane], from[2][lane] });
+      for (int a = 0; a < 3; ++a)
       {
-        break;
+        from[a][lane] = one[a];
       }
-      t0 = hn::Max(t0, tOut);
-      const Mask x = hn::Eq(axes[0].next, tOut);
-      const Mask y = hn::AndNot(x, hn::Eq(axes[1].next, tOut));
-      axes[0].advance(x);
-      axes[1].advance(y);
-      axes[2].advance(hn::Not(hn::Or(x, y)));
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      n[a] = hn::Load(d, from[a]);
+    }
+  }
+  return n;
+}
+
+void FindNormals(const Vec3& width, HitPlaces& hits)
+{
+  const Tag d;
+  constexpr int lanes = hn::MaxLanes(Tag());
+  for (int i = 0; i < hits.count; i += lanes)
+  {
+    std::array<Doubles, 3> place;
+    for (int a = 0; a < 3; ++a)
+    {
+      place[a] = hn::Load(d, &hits.place[a][i]);
+    }
+    std::array<Doubles, 3> exact;
+    std::array<Doubles, 3> smooth;
+    for (int a = 0; a < 3; ++a)
+    {
+      const Doubles atB = place[(a + 1) % 3];
+      const Doubles atC = place[(a + 2) % 3];
+      const auto slope = [&](int half) {
+        const auto at = [&](int edge) { return hn::Load(d, &hits.difference[a][half][edge][i]); };
+        const Doubles low = hn::Add(at(0), hn::Mul(atB, hn::Sub(at(1), at(0))));
+        const Doubles high = hn::Add(at(2), hn::Mul(atB, hn::Sub(at(3), at(2))));
+        const Doubles difference = hn::Add(low, hn::Mul(atC, hn::Sub(high, low)));
+        return hn::Mul(difference, hn::Load(d, &hits.inverseWidth[a][half][i]));
+      };
+      const Doubles lower = slope(0);
+      const Doubles upper = slope(1);
+      const Mask isUpper = hn::Ne(hn::Load(d, &hits.half[a][i]), hn::Zero(d));
+      const Doubles perWidth = set(width[a]);
+      exact[a] = hn::Div(hn::IfThenElse(isUpper, upper, lower), perWidth);
+      smooth[a] =
+        hn::Div(hn::Add(lower, hn::Mul(hn::Load(d, &hits.fromLower[a][i]), hn::Sub(upper, lower))), perWidth);
+    }
+    const Doubles along = hn::Add(
+      hn::Add(hn::Mul(smooth[0], exact[0]), hn::Mul(smooth[1], exact[1])), hn::Mul(smooth[2], exact[2]));
+    const Mask isSmooth = hn::Gt(along, hn::Zero(d));
+    std::array<Doubles, 3> direction;
+    for (int a = 0; a < 3; ++a)
+    {
+      hn::Store(exact[a], d, &hits.gradient[a][i]);
+      direction[a] = hn::IfThenElse(isSmooth, smooth[a], exact[a]);
+    }
+    const std::array<Doubles, 3> normal = normalizedVectors(direction);
+    for (int a = 0; a < 3; ++a)
+    {
+      hn::Store(normal[a], d, &hits.normal[a][i]);
     }
   }
 }
@@ -268,11 +587,51 @@ namespace treeamr
 {
 
 HWY_EXPORT(CrossBlock);
+HWY_EXPORT(FindNormals);
+HWY_EXPORT(FindRoots);
 
-void crossBlock(const SurfaceRecord& record, const BlockPlanes& planes, std::span<const double> isovalues,
-  const SlabRays& rays, int first, int count, OctantCandidates& found) noexcept
+void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
+  int count, OctantCandidates& found) noexcept
 {
-  HWY_DYNAMIC_DISPATCH(CrossBlock)(record, planes, isovalues, rays, first, count, found);
+  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, count, found);
+}
+
+void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found) noexcept
+{
+  HWY_DYNAMIC_DISPATCH(FindRoots)(candidates, firstOnly, found);
+}
+
+void findNormals(const Vec3& width, HitPlaces& hits) noexcept
+{
+  HWY_DYNAMIC_DISPATCH(FindNormals)(width, hits);
+}
+
+void HitPlaces::add(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain, int octant,
+  const Vec3& at) noexcept
+{
+  constexpr std::array<int, 3> stride{ 1, 5, 25 };
+  for (int a = 0; a < 3; ++a)
+  {
+    const int b = stride[(a + 1) % 3];
+    const int c = stride[(a + 2) % 3];
+    const int ofLeaf = octant >> 2 * a & 1;
+    const int cell = (octant >> 2 * a & 3) - ofLeaf;
+    const double* v = record.values.data() + firstVertex(octant) - ofLeaf * stride[a];
+    for (int h = 0; h < 2; ++h, v += stride[a])
+    {
+      difference[a][h][0][count] = v[stride[a]] - v[0];
+      difference[a][h][1][count] = v[stride[a] + b] - v[b];
+      difference[a][h][2][count] = v[stride[a] + c] - v[c];
+      difference[a][h][3][count] = v[stride[a] + b + c] - v[b + c];
+      inverseWidth[a][h][count] = planes.inverseWidth[a][cell + h];
+    }
+    const bool isFirst = planes.at[a][cell] == domain.min[a];
+    const bool isLast = planes.at[a][cell + 2] == domain.max[a];
+    half[a][count] = ofLeaf;
+    fromLower[a][count] = isFirst ? 1. : isLast ? 0. : 0.5 * (ofLeaf + at[a]);
+    place[a][count] = at[a];
+  }
+  ++count;
 }
 
 } // namespace treeamr

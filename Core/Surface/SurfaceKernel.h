@@ -1,5 +1,6 @@
-// Many rays through the octants of a block of leaves at once, vectorised with Highway and compiled once for each
-// instruction set, with the bits of walkBlock() and alongCrossing() on all; the best is chosen when the program runs.
+// Many rays through the octants of blocks of leaves at once, vectorised with Highway and compiled once for each
+// instruction set, with the bits of walkBlock(), alongCrossing(), visitRoots() and gradientsAt() on all; the best is
+// chosen when the program runs. Each stage packs what it found, so that the next one has no idle lanes.
 #pragma once
 
 #include "Surface/BlockWalk.h"
@@ -38,29 +39,128 @@ struct SlabRays
   }
 };
 
-/// Parts of rays in octants in which the field may reach an isovalue, by component.
+/// A block that rays are crossed with.
+struct CrossedBlock
+{
+  const SurfaceRecord* record;
+  BlockPlanes planes;
+  std::uint32_t number;
+  /// By axis the octants that may be active: see SurfaceBlock.
+  std::array<int, 3> first;
+  std::array<int, 3> end;
+
+  CrossedBlock() noexcept = default;
+  CrossedBlock(const TraceSpace& space, const SurfaceBlock& block, std::uint32_t numberOfBlock) noexcept
+    : record(nullptr)
+    , planes(space, block)
+    , number(numberOfBlock)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      first[a] = block.firstActive(a);
+      end[a] = block.endActive(a);
+    }
+  }
+};
+
+/// Parts of rays in octants in which the field may reach an isovalue, by component, of some blocks.
 struct OctantCandidates
 {
   static constexpr int mostRays = 16;
-  static constexpr int mostIsovalues = 4;
-  static constexpr int mostOctants = 10; // that a ray passes in a block
-  using Component = std::array<double, mostRays * mostIsovalues * mostOctants + 8>;
+  static constexpr int mostIsovalues = 4; // that are looked for at once
+  static constexpr int mostOctants = 10;  // that a ray passes in a block
+  static constexpr int mostAdded = mostRays * mostIsovalues * mostOctants;
+  /// So many are worth to find their roots.
+  static constexpr int enough = 64;
+  static constexpr int most = enough + mostAdded;
+  using Component = std::array<double, most + 8>;
+
   int count = 0;
   alignas(64) Component t0;
   alignas(64) Component t1;
   alignas(64) std::array<Component, 4> cubic; // coefficients of the field less the isovalue over [t0, t1]
   alignas(64) Component tolerance;            // for visitRoots()
+  alignas(64) std::array<Component, 3> from;  // place at t0, 0 to 1 in the octant
+  alignas(64) std::array<Component, 3> part;  // from there to the place at t1
   alignas(64) std::array<std::int64_t, std::tuple_size_v<Component>> code;
+  static constexpr int isovalueShift = 6;
+  static constexpr int blockShift = 40;
 
+  int blockCount = 0;
+  std::array<CrossedBlock, enough + 1> blocks;
+
+  CrossedBlock& last() noexcept { return blocks[blockCount - 1]; }
+  const CrossedBlock& last() const noexcept { return blocks[blockCount - 1]; }
+  /// Of blocks whose candidates have been taken.
+  void keepLastBlock() noexcept
+  {
+    blocks[0] = last();
+    blockCount = 1;
+  }
+  /// The last one, when it has no candidates.
+  void dropEmptyBlock() noexcept
+  {
+    if (count == 0 || code[count - 1] >> blockShift != blockCount - 1)
+    {
+      --blockCount;
+    }
+  }
   Cubic along(int i) const noexcept { return { cubic[0][i], cubic[1][i], cubic[2][i], cubic[3][i] }; }
-  int ray(int i) const noexcept { return static_cast<int>(code[i] >> 32); }
+  Vec3 place(int i, double s) const noexcept
+  {
+    return { from[0][i] + s * part[0][i], from[1][i] + s * part[1][i], from[2][i] + s * part[2][i] };
+  }
+  const CrossedBlock& block(int i) const noexcept { return blocks[code[i] >> blockShift]; }
+  int ray(int i) const noexcept { return static_cast<int>(code[i] >> 32 & (SlabRays::most - 1)); }
   std::uint8_t octant(int i) const noexcept { return static_cast<std::uint8_t>(code[i] & 63); }
-  int isovalue(int i) const noexcept { return static_cast<int>(code[i] >> 6 & 3); }
+  std::uint32_t isovalue(int i) const noexcept
+  {
+    return static_cast<std::uint32_t>(code[i]) >> isovalueShift;
+  }
 };
 
-/// Finds those of `count` rays from the first, at most mostRays, and of as many isovalues as mostIsovalues at most.
-/// Those of a ray come in its order, and of an octant in that of the isovalues.
-void crossBlock(const SurfaceRecord& record, const BlockPlanes& planes, std::span<const double> isovalues,
-  const SlabRays& rays, int first, int count, OctantCandidates& found) noexcept;
+/// Adds those in the last block of `count` rays from the first, at most mostRays, and of as many isovalues as
+/// mostIsovalues at most, numbered from firstIsovalue. Those of a ray come in its order, and of an octant in that of
+/// the isovalues.
+void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
+  int count, OctantCandidates& found) noexcept;
+
+/// Roots of the cubics of candidates.
+struct CandidateRoots
+{
+  static constexpr int mostOfEach = 4;
+  static constexpr int most = mostOfEach * OctantCandidates::most;
+  int count = 0;
+  std::array<double, most> s; // part of the way through the octant
+  std::array<double, most> t;
+  std::array<int, most> candidate;
+};
+
+/// Finds those that visitRoots() visits, in its order, of one candidate after the other; firstOnly: one of each.
+void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found) noexcept;
+
+/// What the gradients of some hits need, by component, and these; see gradientsAt().
+struct HitPlaces
+{
+  static constexpr int most = 16;
+  using Component = std::array<double, most>;
+  int count = 0;
+  /// By axis, of the lower and upper half of the leaf along it: differences of the vertex values along the four edges,
+  /// in the order of the next axis, and reciprocal widths.
+  alignas(64) std::array<std::array<std::array<Component, 4>, 2>, 3> difference;
+  alignas(64) std::array<std::array<Component, 2>, 3> inverseWidth;
+  alignas(64) std::array<Component, 3> half; // that the octant is: 0 or 1
+  alignas(64) std::array<Component, 3> fromLower;
+  alignas(64) std::array<Component, 3> place;
+  alignas(64) std::array<Component, 3> gradient; // as SurfaceHit's
+  alignas(64) std::array<Component, 3> normal;
+
+  /// Adds a place in an octant.
+  void add(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain, int octant,
+    const Vec3& at) noexcept;
+};
+
+/// Finds the gradients. width: of the planes' units, in data coordinates.
+void findNormals(const Vec3& width, HitPlaces& hits) noexcept;
 
 } // namespace treeamr

@@ -1,0 +1,145 @@
+// Rays and the surfaces in the octants of a block of leaves: roots of the cubics that the field is along them
+// (the paper's section 6.2). Hits are found and compared in double precision in TraceSpace, by one ray at a time or by
+// the packets of a tile.
+#pragma once
+
+#include "Surface/Isosurface.h"
+#include "Surface/SurfaceKernel.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace treeamr
+{
+
+/// A ray on its way through the blocks.
+struct SurfaceRay
+{
+  static constexpr std::uint32_t noBlock = std::numeric_limits<std::uint32_t>::max();
+
+  SlabRay ray;   // in TraceSpace
+  double tEnter; // of the domain, or of what is asked about
+  double tLeave;
+  double rounding; // bound of the error of a place along the ray
+  double limit;    // hits beyond are not wanted
+  SurfaceHit nearest;
+  Vec3 place;                   // of the nearest hit in its octant
+  std::vector<SurfaceHit>* all; // null: only the nearest hit is wanted
+  std::size_t most;             // of all, that are wanted
+  const RayParts* parts;        // hits outside do not count; null: all do
+
+  bool hasHit() const noexcept { return nearest.block != noBlock; }
+  bool shows(double t) const noexcept
+  {
+    if (!parts)
+    {
+      return true;
+    }
+    for (int i = 0; i < parts->count; ++i)
+    {
+      if (t >= parts->begin[i] && t <= parts->end[i])
+      {
+        return true;
+      }
+    }
+    return false;
+  }
+};
+
+/// Rays of a tile of an image: packets of 4 x 4 pixels take the same way and ask for the same vertex values.
+struct RayTile
+{
+  static constexpr int packet = 4;
+  static constexpr int size = 4 * packet; // pixels along an edge
+  static constexpr int most = size * size;
+  static_assert(most == SlabRays::most && packet * packet == OctantCandidates::mostRays);
+
+  int count = 0;
+  std::array<SurfaceRay, most> rays;
+  std::array<std::vector<SurfaceHit>, most> all;
+  std::vector<RayParts> parts; // of the rays, where stops cut them
+  SlabRays slabs;              // of the rays
+  OctantCandidates candidates;
+  CandidateRoots roots;
+  HitPlaces places;
+  struct Placed
+  {
+    SurfaceHit hit;
+    int ray;
+  };
+  std::array<Placed, HitPlaces::most> placed; // at the places
+
+  /// For other rays.
+  void clear() noexcept
+  {
+    count = 0;
+    parts.clear();
+    candidates.count = 0;
+    candidates.blockCount = 0;
+    places.count = 0;
+  }
+};
+
+/// Safe from several threads, for rays of their own.
+class BlockIntersection
+{
+public:
+  BlockIntersection(const SurfaceBlocks& blocks, const TraceSpace& space);
+
+  const SurfaceBlocks& blocks() const noexcept { return blocks_; }
+  const TraceSpace& space() const noexcept { return space_; }
+
+  /// Starts a ray in [tMin, tMax]; false when it misses the domain.
+  bool start(const Ray& world, double tMin, double tMax, SurfaceRay& ray) const noexcept;
+  /// Adds the tile's next ray, which has been started; mostHits: that are wanted of it.
+  void add(std::size_t mostHits, RayTile& tile) const noexcept;
+
+  /// Finds hits of some rays in a block: bit i of the result says that the limit of rays[numbers[i]] has come nearer.
+  /// tile: whose the rays are, if it is. Throws when there is no memory for vertex values.
+  std::uint32_t intersect(
+    std::uint32_t block, std::span<const unsigned> numbers, SurfaceRay* rays, RayTile* tile) const;
+  /// The nearest hit of a ray that has been through all blocks; it has one.
+  SurfaceHit nearest(const SurfaceRay& ray) const;
+  /// Sorts all hits of such a ray, each once, and leaves the nearest that are wanted.
+  void sort(const SurfaceRay& ray) const;
+  /// Ends the hits of a tile whose rays have been through all blocks.
+  void finish(RayTile& tile) const;
+
+  /// Least width of the leaf that a hit lies in, by the length of the planes' units.
+  double leafWidth(const SurfaceHit& hit, const Vec3& unit) const noexcept;
+  Vec3 unit() const noexcept { return { space_.width(0), space_.width(1), space_.width(2) }; }
+
+private:
+  bool meetsExtent(
+    const CrossedBlock& block, std::span<const unsigned> numbers, const SurfaceRay* rays) const noexcept;
+  /// Looks its values up; false when none of the rays can have a hit.
+  bool open(CrossedBlock& block, std::span<const unsigned> numbers, const SurfaceRay* rays) const;
+  bool nearestInBlock(const CrossedBlock& block, SurfaceRay& ray) const;
+  void collectInBlock(const CrossedBlock& block, SurfaceRay& ray) const;
+  void setGradients(const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const noexcept;
+  template <class Visit, class GoesOn>
+  void visitHits(
+    const CrossedBlock& block, const SurfaceRay& ray, const Visit& visit, const GoesOn& goesOn) const;
+
+  CrossedBlock opened(std::uint32_t number) const;
+
+  /// Adds what `count` rays from the first on may hit in the last block of the candidates.
+  void cross(RayTile& tile, int first, int count) const;
+  /// Finds the roots of the candidates that there are.
+  void takeCandidates(RayTile& tile) const;
+  void takeRoot(RayTile& tile, int candidate, double s, double t) const;
+  void addPlace(
+    RayTile& tile, int ray, const CrossedBlock& block, const Vec3& place, const SurfaceHit& hit) const;
+  /// Makes hits of the places that there are.
+  void takePlaces(RayTile& tile) const;
+
+  const SurfaceBlocks& blocks_;
+  const TraceSpace& space_;
+  double widest_; // extent of the domain
+};
+
+} // namespace treeamr

@@ -1,0 +1,49 @@
+// Embree's hierarchy over the blocks of a surface. It works in single precision, sees the domain as a unit cube and rays
+// that start where they enter it, and only selects candidates: boxes are widened by its rounding, and hits are found and
+// compared by BlockIntersection, so the surface is exact at any depth of the tree and any distance from the origin.
+#pragma once
+
+#include "Surface/BlockIntersection.h"
+
+#include <cstddef>
+#include <memory>
+
+namespace treeamr
+{
+
+/// Queries are safe from several threads. They throw what BlockIntersection throws.
+class SurfaceHierarchy
+{
+public:
+  /// As many blocks, less one, are too many.
+  static constexpr std::size_t blockLimit = SurfaceRay::noBlock;
+
+  /// Throws Error when Embree fails. Of no blocks it is none, as is every ray then.
+  explicit SurfaceHierarchy(const BlockIntersection& intersection);
+  ~SurfaceHierarchy();
+  SurfaceHierarchy(const SurfaceHierarchy&) = delete;
+  SurfaceHierarchy& operator=(const SurfaceHierarchy&) = delete;
+
+  /// Call while no thread queries. Builds again, over the extents that rays have narrowed since, each time that these
+  /// have become twice as many: until then frames visit more blocks than they need to. Throws Error when Embree fails;
+  /// then there is none.
+  void update();
+  std::size_t byteSize() const noexcept;
+  /// Of wall time, to build it.
+  double seconds() const noexcept;
+
+  /// Whether a started ray can meet a block: false without blocks, for NaN and from so far away that no digits are
+  /// left.
+  bool reaches(const SurfaceRay& ray) const noexcept;
+  /// Takes rays that do through the blocks on their ways.
+  void intersect(SurfaceRay& ray) const;
+  void intersect(RayTile& tile) const;
+  /// Whether the ray has any hit.
+  bool occluded(SurfaceRay& ray) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+} // namespace treeamr
