@@ -52,6 +52,7 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
   const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit, float opacity) noexcept
 {
   std::array<double, 3> sum{ material.ambient[0], material.ambient[1], material.ambient[2] };
+  const bool shines = material.specular != std::array<float, 3>{};
   for (std::size_t l = 0; l < lights.size(); ++l)
   {
     const Light& light = lights[l];
@@ -60,6 +61,14 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     strength *= lit && !lit[l] ? 1. - opacity : 1.;
     const double cosine = -dot(normal, travels);
     if (!(cosine > 0.) || !(strength > 0.))
+    {
+      continue;
+    }
+    for (int c = 0; c < 3; ++c)
+    {
+      sum[c] += strength * light.color[c] * cosine * material.diffuse[c];
+    }
+    if (!shines)
     {
       continue;
     }
@@ -76,7 +85,7 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     const double highlight = std::pow(closeness, material.specularPower);
     for (int c = 0; c < 3; ++c)
     {
-      sum[c] += strength * light.color[c] * (cosine * material.diffuse[c] + highlight * material.specular[c]);
+      sum[c] += strength * light.color[c] * highlight * material.specular[c];
     }
   }
   std::array<float, 3> rgb;
