@@ -38,10 +38,9 @@ struct FieldKey
 class FieldCache
 {
 public:
-  std::shared_ptr<const Field> acquireField(
-    HyperTreeGridTopology& topology, const CellValues& values, bool withNodeRanges)
+  std::shared_ptr<const Field> acquireField(HyperTreeGridTopology& topology, const CellValues& values)
   {
-    return acquire(fields_, topology, values, withNodeRanges, [&](const ContentDigest& octreeKey) {
+    return acquire(fields_, topology, values, [&](const ContentDigest& octreeKey) {
       Field field = build(topology, octreeKey, values);
       checkDigits(field, values);
       return field;
@@ -49,9 +48,9 @@ public:
   }
 
   std::shared_ptr<const Categories> acquireCategories(
-    HyperTreeGridTopology& topology, const CellValues& values, bool withNodeRanges)
+    HyperTreeGridTopology& topology, const CellValues& values)
   {
-    return acquire(categories_, topology, values, withNodeRanges, [&](const ContentDigest& octreeKey) {
+    return acquire(categories_, topology, values, [&](const ContentDigest& octreeKey) {
       const CategoryNumbers numbers(topology, values);
       return Categories{ build(topology, octreeKey, numbers), arrayOf(numbers.categories(), values) };
     });
@@ -81,8 +80,8 @@ private:
 
   /// One caller builds at a time. The others wait for the lock and find the result. build: from the octree's key.
   template <class Made, class Build>
-  std::shared_ptr<const Made> acquire(Entries<Made>& entries, HyperTreeGridTopology& topology,
-    const CellValues& values, bool withNodeRanges, const Build& build)
+  std::shared_ptr<const Made> acquire(
+    Entries<Made>& entries, HyperTreeGridTopology& topology, const CellValues& values, const Build& build)
   {
     const FieldKey key{ topology.octreeDigest(), topology.globalIndexDigest(), values.digest(),
       values.component() };
@@ -95,22 +94,14 @@ private:
     {
       found = at->second.lock();
     }
-    if (found && (found->hasNodeRanges() || !withNodeRanges))
+    if (found)
     {
       return found;
     }
     // Without isolation this thread, waiting for its workers, could start a task of somebody else that comes
     // here again and would wait for the lock that this thread holds.
-    tbb::this_task_arena::isolate([&] {
-      // Two branches: a conditional expression would copy what is built.
-      auto made = found ? std::make_shared<Made>(*found)
-                        : std::make_shared<Made>(build(cutNonFinite(topology, key.topology, values)));
-      if (withNodeRanges)
-      {
-        made->computeNodeRanges();
-      }
-      found = std::move(made);
-    });
+    tbb::this_task_arena::isolate(
+      [&] { found = std::make_shared<const Made>(build(cutNonFinite(topology, key.topology, values))); });
     entries[key] = found;
     return found;
   }
@@ -227,20 +218,18 @@ FieldCache& fieldCache()
 
 } // namespace
 
-std::shared_ptr<const Field> acquireField(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+std::shared_ptr<const Field> acquireField(vtkHyperTreeGrid* grid, const ArraySelection& selection)
 {
   HyperTreeGridTopology topology(grid);
   const CellValues values(*grid, selection, topology.globalIndexEnd());
-  return fieldCache().acquireField(topology, values, withNodeRanges);
+  return fieldCache().acquireField(topology, values);
 }
 
-std::shared_ptr<const Categories> acquireCategories(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+std::shared_ptr<const Categories> acquireCategories(vtkHyperTreeGrid* grid, const ArraySelection& selection)
 {
   HyperTreeGridTopology topology(grid);
   const CellValues values(*grid, selection, topology.globalIndexEnd());
-  return fieldCache().acquireCategories(topology, values, withNodeRanges);
+  return fieldCache().acquireCategories(topology, values);
 }
 
 std::shared_ptr<const Octree> acquireOctree(vtkHyperTreeGrid* grid)

@@ -55,7 +55,7 @@ public:
 /// the array does not exist, is not numeric, is too short, has no such component or has doubles all below the
 /// normal numbers of float, 1.2e-38. NoFiniteValue, an Error, when no cell has a finite value or all are beyond float.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Field> acquireField(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+  vtkHyperTreeGrid* grid, const ArraySelection& selection);
 
 /// An array whose values are names rather than quantities (VTK's indexed look-up).
 struct Categories
@@ -64,15 +64,12 @@ struct Categories
   Field numbers;
   /// Those of the cells, each once, ascending, of the array's type; magnitudes are double, bits unsigned char.
   vtkSmartPointer<vtkDataArray> values;
-
-  bool hasNodeRanges() const noexcept { return numbers.hasNodeRanges(); }
-  void computeNodeRanges() { numbers.computeNodeRanges(); }
 };
 
 /// As acquireField(), and in the same cache. Values are read as double: whole numbers beyond 2^53 may become one. Throws
 /// Error also for more different values than TransferFunction::mostCategories.
 VTKTREEAMRREADER_EXPORT std::shared_ptr<const Categories> acquireCategories(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+  vtkHyperTreeGrid* grid, const ArraySelection& selection);
 
 /// The octree of all cells that are not masked or hidden, whatever their values, from the same cache. Throws Error as
 /// acquireField() for the grid.

@@ -173,7 +173,7 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   const auto array = cells ? NewPointArray(cells, components, count) : nullptr;
   for (int c = 0; !cells || (c < components && count > 0); ++c)
   {
-    const auto field = treeamr::acquireField(input, { name, c }, false); // throws without the array
+    const auto field = treeamr::acquireField(input, { name, c }); // throws without the array
     warn(treeamr::mergedDoubles(input, { name, c }, *field));
     for (const Surface& surface : surfaces)
     {
@@ -311,7 +311,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
 {
   const std::string contouredName =
     NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
-  const auto field = treeamr::acquireField(input, { contouredName, this->Component }, true);
+  const auto field = treeamr::acquireField(input, { contouredName, this->Component });
   this->Warn(treeamr::mergedDoubles(input, { contouredName, this->Component }, *field));
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
   std::vector<Surface> surfaces(this->GetNumberOfContours());

@@ -93,7 +93,7 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
   ArrayResult result;
   for (int c = 0; !result.Values || c < result.Values->GetNumberOfComponents(); ++c)
   {
-    auto field = treeamr::acquireField(source, { name, c }, false);
+    auto field = treeamr::acquireField(source, { name, c });
     octrees.push_back(field->sharedOctree());
     remarks.push_back(treeamr::mergedDoubles(source, { name, c }, *field));
     if (!result.Values)

@@ -34,10 +34,10 @@ bool hasAllCells(const Octree& octree) noexcept
 
 } // namespace
 
-BlockPlanes blockPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept
+OctantPlanes octantPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept
 {
   const int level = depth + 2 - grid.paddingDepth(); // of the octants
-  BlockPlanes planes;
+  OctantPlanes planes;
   for (int a = 0; a < 3; ++a)
   {
     const Coord end = Coord(grid.roots()[a]) << level;
@@ -135,7 +135,7 @@ void BlockContour::start(const TreePath& path, const Octree::Children& children,
   pointOfDualEdge_.fill(-1);
   alone_ = children.inner() == 0;
   depth_ = path.depth() + 2; // of the octants
-  plane_ = blockPlanes(octree_.grid(), path.index(), path.depth());
+  plane_ = octantPlanes(octree_.grid(), path.index(), path.depth());
   for (int a = 0; a < 3; ++a)
   {
     base_[a] = 4 * path.index()[a];
@@ -172,8 +172,8 @@ void BlockContour::extractLeaf(TreePath& path, int octant, ContourPart& part)
     Place corner; // of the leaf
     for (int a = 0; a < 3; ++a)
     {
-      corner[a] = (octant >> a & 1) + (o >> a & 1);
-      low[a] = 2 * (octant >> a & 1) + (o >> a & 1);
+      corner[a] = sideOf(octant, a) + sideOf(o, a);
+      low[a] = 2 * sideOf(octant, a) + sideOf(o, a);
     }
     const std::uint8_t* row = inside_.data() + low[1] + 5 * low[2];
     const auto pair = [&](int i) { return static_cast<unsigned>(row[i] >> low[0] & 3); };
@@ -187,10 +187,10 @@ void BlockContour::extractLeaf(TreePath& path, int octant, ContourPart& part)
 
 void BlockContour::extractOctant(const Leaf& leaf, const Place& low, unsigned inside, ContourPart& part)
 {
-  const int base = low[0] + 5 * low[1] + 25 * low[2];
+  const int base = block::vertexIndex(low[0], low[1], low[2]);
   for (int c = 0; c < 8; ++c)
   {
-    values_[c] = block_.values[base + (c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)] - isovalue_;
+    values_[c] = block_.values[base + cornerOffset(c, block::vertexStride)] - isovalue_;
   }
   const Piece piece{ low, 1, &leaf, inside };
   unsigned finer = 0; // masks of faces
@@ -393,7 +393,7 @@ std::uint32_t BlockContour::pointOn(const Piece& piece, int edge, ContourPart& p
     low[a] = piece.low[a] + piece.width * (e.low >> a & 1);
   }
   std::int32_t& known = piece.width == 1
-    ? pointOfEdge_[125 * e.axis + low[0] + 5 * low[1] + 25 * low[2]]
+    ? pointOfEdge_[block::vertexCount * e.axis + block::vertexIndex(low[0], low[1], low[2])]
     : pointOfDualEdge_[64 * e.axis + (low[0] + 1) / 2 + 4 * ((low[1] + 1) / 2) + 16 * ((low[2] + 1) / 2)];
   if (known < 0)
   {

@@ -3,7 +3,7 @@
 
 #include "Contour/Contour.h"
 #include "Contour/DualCells.h"
-#include "Contour/Octant.h"
+#include "Contour/Piece.h"
 #include "Contour/Transitions.h"
 #include "Interpolation/BlockValues.h"
 #include "Octree/TreePath.h"
@@ -46,9 +46,9 @@ struct ContourPart
 
 /// World coordinates per axis of a block's octant planes -1 to 5, which are its own and one beyond on either
 /// side; those beyond the domain lie at its end.
-using BlockPlanes = std::array<std::array<double, 7>, 3>;
+using OctantPlanes = std::array<std::array<double, 7>, 3>;
 
-BlockPlanes blockPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept;
+OctantPlanes octantPlanes(const RootGrid& grid, const std::array<Coord, 3>& index, int depth) noexcept;
 
 class BlockContour
 {
@@ -122,7 +122,7 @@ private:
   bool alone_; // no child is refined: octants' edges inside belong to no other block
   int depth_;  // of the octants' lattice
   std::array<Coord, 3> base_;
-  BlockPlanes plane_;
+  OctantPlanes plane_;
   DualCells dualCells_;
   // By axis and lower end; -1: none yet.
   std::array<std::int32_t, 375> pointOfEdge_;

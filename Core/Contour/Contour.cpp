@@ -45,12 +45,6 @@ int octantDepth(const Octree& octree) noexcept
   return octree.grid().paddingDepth() + octree.leafLevels() + 1;
 }
 
-/// That leads down to the node `up` levels above a place.
-int octantOf(const std::array<Coord, 3>& index, int up) noexcept
-{
-  return static_cast<int>((index[0] >> up & 1) | (index[1] >> up & 1) << 1 | (index[2] >> up & 1) << 2);
-}
-
 /// Part of the tree: below a node, or its leaves alone.
 struct Task
 {
@@ -64,6 +58,7 @@ class Extraction
 public:
   Extraction(const Field& field, double isovalue, bool gradients)
     : field_(field)
+    , ranges_(field.nodeRanges())
     , octree_(field.octree())
     , isovalue_(isovalue)
     , subtreeDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() - 4)
@@ -88,8 +83,8 @@ public:
     Range range = field_.range();
     for (int depth = 1; depth <= task.depth; ++depth)
     {
-      range = field_.nodeRange(place.node(), range);
-      place.descend(octantOf(task.index, task.depth - depth));
+      range = ranges_.of(place.node().index(), range);
+      place.descend(octantAbove(task.index, task.depth - depth));
     }
     BlockContour& block = blocks_.local();
     if (task.subtree)
@@ -107,7 +102,7 @@ private:
 
   void collect(TreePath& place, Range parent, std::vector<Task>& list) const
   {
-    const Range range = field_.nodeRange(place.node(), parent);
+    const Range range = ranges_.of(place.node().index(), parent);
     if (!crosses(range))
     {
       return;
@@ -128,7 +123,7 @@ private:
 
   void visit(TreePath& place, Range parent, BlockContour& block, ContourPart& part) const
   {
-    const Range range = field_.nodeRange(place.node(), parent);
+    const Range range = ranges_.of(place.node().index(), parent);
     if (!crosses(range))
     {
       return;
@@ -147,6 +142,7 @@ private:
   }
 
   const Field& field_;
+  const NodeRanges& ranges_;
   const Octree& octree_;
   double isovalue_;
   int subtreeDepth_;
@@ -237,7 +233,7 @@ void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointN
 struct LocatedBlock
 {
   bool known = false;
-  BlockPlanes planes;
+  OctantPlanes planes;
   BlockValues vertices;
 };
 
@@ -247,7 +243,6 @@ float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWor
 {
   int base = 0;
   std::array<double, 3> local;
-  constexpr std::array<int, 3> stride{ 1, 5, 25 };
   for (int a = 0; a < 3; ++a)
   {
     const double* plane = block.planes[a].data() + 1;
@@ -256,15 +251,11 @@ float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWor
     {
       ++low;
     }
-    base += stride[a] * low;
+    base += block::vertexStride[a] * low;
     local[a] = std::clamp((pWorld[a] - plane[low]) / (plane[low + 1] - plane[low]), 0., 1.);
   }
-  PieceValues corners;
-  for (int c = 0; c < 8; ++c)
-  {
-    corners[c] = block.vertices.values[base + (c & 1) + 5 * (c >> 1 & 1) + 25 * (c >> 2)];
-  }
-  return static_cast<float>(trilinear(corners, local));
+  return static_cast<float>(
+    trilinear(cornersOf(block.vertices.values.data() + base, block::vertexStride), local));
 }
 
 /// Interpolates at points in the blocks of a mesh. The points of dual cells may lie in the block beyond,
@@ -308,7 +299,7 @@ private:
         index[a] = block_.index[a] + offset[a];
       }
       evaluator_.compute(BlockPath(octree_, index, block_.depth), BlockCells::Leaves, located.vertices);
-      located.planes = blockPlanes(octree_.grid(), index, block_.depth);
+      located.planes = octantPlanes(octree_.grid(), index, block_.depth);
       located.known = true;
     }
     return located;
@@ -426,10 +417,6 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
   if (!std::isfinite(isovalue))
   {
     throw Error("contour: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
-  }
-  if (!field.hasNodeRanges())
-  {
-    throw Error("contour: the field has no node ranges to find the surface by");
   }
   const auto goesOn = [&](double done) { return !options.progress || options.progress(done); };
   Extraction extraction(field, isovalue, options.gradients);

@@ -47,8 +47,7 @@ struct ContourOptions
 /// nothing collapses where vertices have the isovalue. Its gradient is the mean of the trilinear pieces that
 /// meet there.
 ///
-/// The same bits for any number of threads. Empty when stopped. Throws Error when the isovalue is not finite
-/// and when the field has no node ranges.
+/// The same bits for any number of threads. Empty when stopped. Throws Error when the isovalue is not finite.
 ContourMesh contour(const Field& field, double isovalue, const ContourOptions& options = {});
 
 /// A field's values at the points of a mesh that contour() made on the same octree. Throws Error for another one.

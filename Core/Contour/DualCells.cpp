@@ -1,5 +1,7 @@
 #include "Contour/DualCells.h"
 
+#include "Interpolation/VertexValues.h"
+
 #include <cmath>
 
 namespace treeamr
@@ -47,8 +49,8 @@ void DualCells::gatherBlocks(const TreePath& path, const Field& field)
     for (int o = 0; plain && o < 8; ++o)
     {
       plain = !octree.isGhost(children.firstLeaf + o);
-      const std::array<int, 3> cell{ 2 * (e % 3) + (o & 1) - 1, 2 * (e / 3 % 3) + (o >> 1 & 1) - 1,
-        2 * (e / 9) + (o >> 2) - 1 }; // from the first of the four
+      const std::array<int, 3> cell{ 2 * (e % 3) + sideOf(o, 0) - 1, 2 * (e / 3 % 3) + sideOf(o, 1) - 1,
+        2 * (e / 9) + sideOf(o, 2) - 1 }; // from the first of the four
       const auto isNear = [](int c) { return c >= 0 && c < 4; };
       if (isNear(cell[0]) && isNear(cell[1]) && isNear(cell[2]))
       {
@@ -89,11 +91,12 @@ void DualCells::mark(const RootGrid& grid, const TreePath& path) noexcept
 
 std::array<float, 8> DualCells::values(const std::array<int, 3>& vertex) const noexcept
 {
+  constexpr std::array<int, 3> leafStride{ 1, 4, 16 };
+  const int first = vertex[0] + leafStride[1] * vertex[1] + leafStride[2] * vertex[2];
   std::array<float, 8> values;
   for (int c = 0; c < 8; ++c)
   {
-    values[c] =
-      leafValues_[vertex[0] + (c & 1) + 4 * (vertex[1] + (c >> 1 & 1)) + 16 * (vertex[2] + (c >> 2))];
+    values[c] = leafValues_[first + cornerOffset(c, leafStride)];
   }
   return values;
 }
@@ -104,7 +107,7 @@ bool ownsDualCell(
   std::array<double, 27> v;
   for (int i = 0; i < 8; ++i)
   {
-    v[2 * (i & 1) + 6 * (i >> 1 & 1) + 18 * (i >> 2)] = values[i];
+    v[2 * cornerOffset(i, leafVertexStride)] = values[i];
   }
   for (const int i : { 0, 6, 18, 24 })
   {
@@ -126,10 +129,10 @@ bool ownsDualCell(
   for (int o = 0; o < 8; ++o)
   {
     constexpr unsigned corners = 1 | 1 << 1 | 1 << 3 | 1 << 4 | 1 << 9 | 1 << 10 | 1 << 12 | 1 << 13;
-    const unsigned mine = inside >> ((o & 1) + 3 * (o >> 1 & 1) + 9 * (o >> 2)) & corners;
+    const unsigned mine = inside >> cornerOffset(o, leafVertexStride) & corners;
     if (mine != 0 && mine != corners)
     {
-      const auto isOwn = [&](int a) { return ((vertex[a] - 1 + (o >> a & 1)) & ~1) == 0; };
+      const auto isOwn = [&](int a) { return ((vertex[a] - 1 + sideOf(o, a)) & ~1) == 0; };
       return isOwn(0) && isOwn(1) && isOwn(2);
     }
   }

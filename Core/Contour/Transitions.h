@@ -2,7 +2,7 @@
 #pragma once
 
 #include "Contour/Contour.h"
-#include "Contour/Octant.h"
+#include "Contour/Piece.h"
 
 #include <tuple>
 

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_reduce.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -124,41 +125,23 @@ void Field::computeMeans()
   }
 }
 
-void Field::encodeNodeRanges(LargeVector<Range> exact)
+const NodeRanges& Field::nodeRanges() const
 {
-  const Octree& octree = *octree_;
-  rangeCodes_.resize(octree.innerCount());
-  if (octree.innerCount() == 0)
+  const std::scoped_lock lock(ranges_->mutex);
+  if (!ranges_->made)
   {
-    return;
+    // Without isolation this thread, waiting for its workers, could start a task of somebody else that asks for the
+    // same and would wait for the lock that this thread holds.
+    tbb::this_task_arena::isolate([&] { ranges_->made = std::make_unique<const NodeRanges>(*this); });
   }
-  // Down the depths: a node's exact range makes way for its decoded one once it is encoded.
-  const auto encode = [&](std::uint64_t node, Range parent) {
-    rangeCodes_[node] = RangeCode(exact[node], parent);
-    exact[node] = rangeCodes_[node].decode(parent);
-  };
-  encode(0, range_);
-  for (int depth = 0; depth < octree.innerDepths(); ++depth)
-  {
-    tbb::parallel_for(
-      tbb::blocked_range<std::uint64_t>(octree.firstInner(depth), octree.firstInner(depth + 1), 4096),
-      [&](const auto& nodes) {
-        for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
-        {
-          const Children children = octree.children(n);
-          for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
-          {
-            encode(c, exact[n]);
-          }
-        }
-      });
-  }
+  return *ranges_->made;
 }
 
-std::size_t Field::byteSize() const noexcept
+std::size_t Field::byteSize() const
 {
+  const std::scoped_lock lock(ranges_->mutex);
   return (values_.capacity() + means_.capacity()) * sizeof(float) +
-    rangeCodes_.capacity() * sizeof(RangeCode);
+    (ranges_->made ? ranges_->made->byteSize() : 0);
 }
 
 const Field& required(const std::shared_ptr<const Field>& field, const char* user)

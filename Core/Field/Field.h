@@ -1,10 +1,11 @@
-// One scalar field on an octree: a value per leaf, a mean and a range per inner node.
+// One scalar field on an octree: a value per leaf and a mean per inner node.
 #pragma once
 
-#include "Field/RangeCode.h"
+#include "Field/NodeRanges.h"
 #include "Octree/Octree.h"
 
 #include <memory>
+#include <mutex>
 
 namespace treeamr
 {
@@ -39,25 +40,21 @@ public:
 
   /// Hull of the leaves' values, which also bounds the reconstructed field; {0, 0} without cells.
   Range range() const noexcept { return range_; }
-  /// A range around the GTI reconstruction inside the inner node; `parent` is the node range of its parent,
-  /// of the octree's root range(). Needs computeNodeRanges().
-  Range nodeRange(NodeRef inner, Range parent) const noexcept
-  {
-    return rangeCodes_[inner.index()].decode(parent);
-  }
-  bool hasNodeRanges() const noexcept { return !rangeCodes_.empty() || octree_->innerCount() == 0; }
-  /// Ranges are for skipping: who only asks for values leaves them out. Defined in
-  /// Field/NodeRanges.cpp.
-  void computeNodeRanges();
+  /// Made on the first call for this field or a copy, which share them. Safe from several threads.
+  const NodeRanges& nodeRanges() const;
 
-  /// Allocated bytes, without the octree.
-  std::size_t byteSize() const noexcept;
+  /// Allocated bytes, without the octree; with the node ranges when there are any.
+  std::size_t byteSize() const;
 
 private:
   void checkAndMeasureValues();
   void computeMeans();
-  /// exact[n]: of the inner node n, within those of its ancestors and range().
-  void encodeNodeRanges(LargeVector<Range> exact);
+
+  struct SharedRanges
+  {
+    std::mutex mutex;
+    std::unique_ptr<const NodeRanges> made; // null: not yet
+  };
 
   Identity identity_;
   std::shared_ptr<const Octree> octree_;
@@ -65,8 +62,8 @@ private:
   LargeVector<float> means_;
   // Where the values' offset is larger than their range, means are rounded to the range's digits, not the offset's.
   double meanBase_ = 0.;
-  LargeVector<RangeCode> rangeCodes_;
   Range range_{ 0.f, 0.f };
+  std::shared_ptr<SharedRanges> ranges_ = std::make_shared<SharedRanges>();
 };
 
 /// The field that `user` (who it is for, in the message) was given. Throws Error for a null pointer.

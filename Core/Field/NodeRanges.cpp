@@ -1,6 +1,5 @@
-// Ranges of the reconstructed field per inner node. Unlike the paper's ranges of cell values they hold for sure:
-// an octant's vertices also use the cells around it. Beside cells of other sizes they may be wider than the
-// field: its exact hull takes twice as long and leaves out two more nodes in a hundred.
+#include "Field/NodeRanges.h"
+
 #include "Interpolation/BlockValues.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
@@ -80,15 +79,46 @@ private:
 
 } // namespace
 
-void Field::computeNodeRanges()
+NodeRanges::NodeRanges(const Field& field)
 {
-  LargeVector<Range> exact(octree_->innerCount());
-  if (octree_->root().isInner())
+  LargeVector<Range> exact(field.octree().innerCount());
+  if (field.octree().root().isInner())
   {
     BlockPath path;
-    RangeBuilder(*this, exact).visit(path);
+    RangeBuilder(field, exact).visit(path);
   }
-  encodeNodeRanges(std::move(exact));
+  encode(field, std::move(exact));
+}
+
+void NodeRanges::encode(const Field& field, LargeVector<Range> exact)
+{
+  const Octree& octree = field.octree();
+  codes_.resize(octree.innerCount());
+  if (octree.innerCount() == 0)
+  {
+    return;
+  }
+  // Down the depths: a node's exact range makes way for its decoded one once it is encoded.
+  const auto encodeNode = [&](std::uint64_t node, Range parent) {
+    codes_[node] = RangeCode(exact[node], parent);
+    exact[node] = codes_[node].decode(parent);
+  };
+  encodeNode(0, field.range());
+  for (int depth = 0; depth < octree.innerDepths(); ++depth)
+  {
+    tbb::parallel_for(
+      tbb::blocked_range<std::uint64_t>(octree.firstInner(depth), octree.firstInner(depth + 1), 4096),
+      [&](const auto& nodes) {
+        for (std::uint64_t n = nodes.begin(); n < nodes.end(); ++n)
+        {
+          const Children children = octree.children(n);
+          for (std::uint64_t c = children.firstInner; c < children.firstInner + children.innerCount(); ++c)
+          {
+            encodeNode(c, exact[n]);
+          }
+        }
+      });
+  }
 }
 
 } // namespace treeamr

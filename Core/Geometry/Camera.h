@@ -1,13 +1,14 @@
 // The rays of an image, from the matrix that takes data coordinates to clip space.
 #pragma once
 
+#include "Geometry/Vec3.h"
+
 #include <array>
 #include <cmath>
 
 namespace treeamr
 {
 
-using Vec3 = std::array<double, 3>;
 /// Row-major, applied to column vectors.
 using Matrix4 = std::array<double, 16>;
 
@@ -17,6 +18,12 @@ struct Ray
   Vec3 origin;
   Vec3 direction;
 };
+
+inline Vec3 pointAt(const Ray& ray, double t) noexcept
+{
+  return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
+    ray.origin[2] + t * ray.direction[2] };
+}
 
 /// All rays of a perspective camera: linear in the pixel. A point is eye + t * direction, t not a length.
 struct PixelFan
@@ -58,6 +65,19 @@ public:
   bool seesAllDepthsOf(const Vec3& boxMin, const Vec3& boxMax) const noexcept;
   /// Window depth of the point at t.
   double depthFromT(const Ray& ray, double t) const noexcept;
+  /// Of the octants that three planes, across one axis each, part a box into the one to visit first: octant i ^ this
+  /// is the i-th in an order in which, for every ray of the camera, an octant follows those that are nearer along each
+  /// axis. direction: of any ray in parallel projection.
+  int nearestOctant(const Vec3& planes, const Vec3& direction) const noexcept
+  {
+    int nearest = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = perspective_ ? eye_[a] >= planes[a] : direction[a] < 0.;
+      nearest |= upper << a;
+    }
+    return nearest;
+  }
   /// The change of a plane's window depth from the left to the right and from the lower to the upper edge of the
   /// image. point, normal: of the plane, in data coordinates; not finite for a plane through the eye.
   std::array<double, 2> depthSlope(const Vec3& point, const Vec3& normal) const noexcept;

@@ -1,10 +1,9 @@
 // The part of a ray inside an axis-aligned box.
 #pragma once
 
+#include "Geometry/Bounds.h"
 #include "Geometry/Camera.h"
-#include "Octree/RootGrid.h"
 
-#include <array>
 #include <cmath>
 
 namespace treeamr

@@ -12,11 +12,6 @@ namespace treeamr
 namespace
 {
 
-double dot(const Vec3& a, const Vec3& b) noexcept
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /// Narrows [begin, end) to a half space.
 void narrow(
   const HalfSpace& half, const Vec3& origin, const Vec3& direction, double& begin, double& end) noexcept

@@ -4,8 +4,8 @@
 // window and single pixels have the same stops, and what is absent takes neither time nor memory.
 #pragma once
 
+#include "Geometry/Bounds.h"
 #include "Geometry/Camera.h"
-#include "Octree/RootGrid.h"
 
 #include <array>
 #include <cstddef>

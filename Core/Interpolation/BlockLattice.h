@@ -6,6 +6,8 @@
 // the middle of place p; either is between the children v + 1 and v + 2 of places, of which there are 8 x 8 x 8.
 #pragma once
 
+#include "Geometry/Octant.h"
+
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -20,6 +22,9 @@ inline constexpr int verticesPerEdge = 5;
 inline constexpr int placeCount = placesPerEdge * placesPerEdge * placesPerEdge;
 inline constexpr int vertexCount = verticesPerEdge * verticesPerEdge * verticesPerEdge;
 inline constexpr int childCount = 8 * placeCount;
+
+/// By axis, of vertices.
+inline constexpr std::array<int, 3> vertexStride{ 1, verticesPerEdge, verticesPerEdge* verticesPerEdge };
 
 /// By axis the places that are not the last along it, and the two in the middle.
 inline constexpr std::array<std::uint64_t, 3> lowerPlaces{ 0x7777777777777777, 0x0fff0fff0fff0fff,
@@ -217,7 +222,7 @@ inline std::uint64_t withNeighbours(std::uint64_t places) noexcept
 /// A child's place 0 as a place of its parent's level: its neighbourhood's first entry.
 constexpr int firstEntry(int octant)
 {
-  return placeIndex(octant & 1, octant >> 1 & 1, octant >> 2);
+  return placeIndex(sideOf(octant, 0), sideOf(octant, 1), sideOf(octant, 2));
 }
 
 /// The places of the neighbourhood that begins at place 0: three along each axis.
@@ -241,7 +246,7 @@ inline std::uint64_t placesOf(std::uint64_t entries) noexcept
 /// First of the children of a level's places that are the places of a child's level.
 constexpr int firstPlace(int octant)
 {
-  return childIndex(1 + 2 * (octant & 1), 1 + 2 * (octant >> 1 & 1), 1 + 2 * (octant >> 2));
+  return childIndex(1 + 2 * sideOf(octant, 0), 1 + 2 * sideOf(octant, 1), 1 + 2 * sideOf(octant, 2));
 }
 
 /// From masks of a level's children those of a child's places.

@@ -283,8 +283,8 @@ void BlockEvaluator::computeSpecial(
       const Level& parent = levelAt(path, depth - 1);
       const VertexMask besideLeaves = verticesTouching(~(parent.refined | parent.none));
       const Level& coarser = withSpecial(path, depth - 1, both(besideLeaves, tables.ofChild[octant]));
-      const double* values =
-        coarser.special.data() + vertexIndex(2 * (octant & 1), octant & 2, octant >> 1 & 2);
+      const double* values = coarser.special.data() +
+        vertexIndex(2 * sideOf(octant, 0), 2 * sideOf(octant, 1), 2 * sideOf(octant, 2));
       forAxes([&]<unsigned Axes>() noexcept {
         if constexpr (Axes != 0) // the middle of a child hangs on nothing
         {
@@ -466,7 +466,8 @@ template <class T>
 void fillUndrawn(std::array<T, vertexCount>& values, unsigned drawn) noexcept
 {
   const int octant = std::countr_zero(drawn);
-  const T value = values[vertexIndex(1 + 2 * (octant & 1), 1 + 2 * (octant >> 1 & 1), 1 + 2 * (octant >> 2))];
+  const T value =
+    values[vertexIndex(1 + 2 * sideOf(octant, 0), 1 + 2 * sideOf(octant, 1), 1 + 2 * sideOf(octant, 2))];
   const VertexMask others = without(verticesOf(0xff), verticesOf(drawn));
   forAxes([&]<unsigned Axes>() noexcept {
     forEachPlace(others[Axes], [&](int place) { values[vertexOf(Axes, place)] = value; });

@@ -37,8 +37,7 @@ struct BlockPath
     for (int d = 1; d <= path.depth(); ++d)
     {
       const std::array<Coord, 3>& index = path.index(d);
-      descend(static_cast<int>((index[0] & 1) | (index[1] & 1) << 1 | (index[2] & 1) << 2),
-        path.around(d)[13].index());
+      descend(octantAbove(index, 0), path.around(d)[13].index());
     }
   }
 
@@ -47,8 +46,7 @@ struct BlockPath
   {
     for (int up = to - 1; up >= 0; --up)
     {
-      const int at =
-        static_cast<int>((index[0] >> up & 1) | (index[1] >> up & 1) << 1 | (index[2] >> up & 1) << 2);
+      const int at = octantAbove(index, up);
       descend(at, octree.children(node[depth]).innerIndex(at));
     }
   }

@@ -1,5 +1,6 @@
 #include "Interpolation/Sampler.h"
 
+#include "Geometry/Trilinear.h"
 #include "Interpolation/VertexValues.h"
 
 #include <cmath>
@@ -74,57 +75,6 @@ void toWorld(const TreePath& path, std::array<double, 3>& gradient) noexcept
   }
 }
 
-/// A weighted sum over the corners of a box and its derivative; corners without a value are left out.
-class CornerSum
-{
-public:
-  /// f: position in the box, 0 to 1.
-  explicit CornerSum(const std::array<double, 3>& f) noexcept
-    : f_(f)
-  {
-  }
-  void add(int corner, double value) noexcept
-  {
-    std::array<double, 3> w;
-    std::array<double, 3> d;
-    for (int a = 0; a < 3; ++a)
-    {
-      const bool upper = corner >> a & 1;
-      w[a] = upper ? f_[a] : 1. - f_[a];
-      d[a] = upper ? 1. : -1.;
-    }
-    addTerm(value, w[0] * w[1] * w[2], { d[0] * w[1] * w[2], w[0] * d[1] * w[2], w[0] * w[1] * d[2] });
-  }
-  double value() const noexcept { return sum_ / weight_; }
-  /// Per width of the box.
-  std::array<double, 3> gradient() const noexcept
-  {
-    std::array<double, 3> g;
-    for (int a = 0; a < 3; ++a)
-    {
-      g[a] = (dSum_[a] - value() * dWeight_[a]) / weight_;
-    }
-    return g;
-  }
-
-private:
-  void addTerm(double value, double weight, const std::array<double, 3>& dWeight) noexcept
-  {
-    sum_ += weight * value;
-    weight_ += weight;
-    for (int a = 0; a < 3; ++a)
-    {
-      dSum_[a] += dWeight[a] * value;
-      dWeight_[a] += dWeight[a];
-    }
-  }
-  std::array<double, 3> f_;
-  double sum_ = 0.;
-  double weight_ = 0.;
-  std::array<double, 3> dSum_{};
-  std::array<double, 3> dWeight_{};
-};
-
 void sampleNearest(const TreePath& path, const Field& field, const Local&, FieldSample& out) noexcept
 {
   out = { field.value(path.node()), {} };
@@ -136,19 +86,14 @@ void sampleOctant(const TreePath& path, const Field& field, const Local& local, 
   const VertexValues v = vertexValues<Rule>(path, field);
   int base = 0;
   std::array<double, 3> f;
-  constexpr std::array<int, 3> stride{ 1, 3, 9 };
   for (int a = 0; a < 3; ++a)
   {
     const bool upper = local[a] >= 0.5;
-    base += upper ? stride[a] : 0;
+    base += upper ? leafVertexStride[a] : 0;
     f[a] = 2. * local[a] - upper;
   }
-  CornerSum sum(f);
-  for (int c = 0; c < 8; ++c)
-  {
-    sum.add(c, v[base + (c & 1) + 3 * (c >> 1 & 1) + 9 * (c >> 2)]);
-  }
-  out = { sum.value(), sum.gradient() };
+  const Corners corners = cornersOf(v.data() + base, leafVertexStride);
+  out = { trilinear(corners, f), trilinearGradient(corners, f) };
   for (double& g : out.gradient)
   {
     g *= 2.;
@@ -176,14 +121,13 @@ bool sampleDual(const TreePath& path, const Field& field, const Local& local, in
     std::array<Coord, 3> cell;
     for (int a = 2; a >= 0; --a)
     {
-      cell[a] = base[a] + (c >> a & 1);
+      cell[a] = base[a] + sideOf(c, a);
       entry = 3 * entry + static_cast<int>(cell[a] >> finer) + 1;
     }
     NodeRef node = path.around(path.depth())[entry];
     for (int bit = finer - 1; bit >= 0 && node.isInner(); --bit)
     {
-      node = path.octree().child(
-        node, static_cast<int>((cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1 | (cell[2] >> bit & 1) << 2));
+      node = path.octree().child(node, octantAbove(cell, bit));
     }
     if (node.isInner() && stopAtFiner)
     {

@@ -14,6 +14,7 @@ namespace treeamr
 
 /// Order x + 3 y + 9 z with x, y, z in 0, 1, 2 half widths from the leaf's lower corner.
 using VertexValues = std::array<float, 27>;
+inline constexpr std::array<int, 3> leafVertexStride{ 1, 3, 9 };
 
 enum class VertexRule
 {

@@ -37,12 +37,6 @@ inline bool mortonLess(const std::array<Coord, 3>& p, const std::array<Coord, 3>
   return less;
 }
 
-/// The octant that leads to a place's ancestor `up` levels above it.
-inline int octantAbove(const std::array<Coord, 3>& place, int up) noexcept
-{
-  return static_cast<int>((place[0] >> up & 1) | (place[1] >> up & 1) << 1 | (place[2] >> up & 1) << 2);
-}
-
 /// A source's trees that have cells, in Morton order, and the walks over them.
 template <class Source>
 class Forest

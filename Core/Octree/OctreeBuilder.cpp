@@ -211,10 +211,7 @@ private:
     CellId cell{ {}, depth - padding_ };
     for (int d = 1; d <= depth; ++d)
     {
-      for (int a = 0; a < 3; ++a)
-      {
-        cell.index[a] = 2 * cell.index[a] + (octant(records_[i].key, d) >> a & 1);
-      }
+      cell.index = indexOfChild(cell.index, octant(records_[i].key, d));
     }
     return cell;
   }

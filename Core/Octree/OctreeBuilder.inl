@@ -68,7 +68,7 @@ LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source)
     NodeRef node = octree.root();
     for (int up = padding - 1; up >= 0 && node.isInner(); --up)
     {
-      node = octree.child(node, detail::octantAbove(place, up));
+      node = octree.child(node, octantAbove(place, up));
     }
     if (!node.isNone())
     {

@@ -5,27 +5,20 @@
 // the planes between roots: anisotropic and non-uniform rectilinear root grids need nothing else.
 #pragma once
 
+#include "Geometry/Bounds.h"
+#include "Geometry/Octant.h"
+
 #include <array>
-#include <cstdint>
 #include <vector>
 
 namespace treeamr
 {
-
-/// Cell (or plane) index along one axis on the lattice of one level.
-using Coord = std::int64_t;
 
 /// A cell: its level (0 = a root) and its index on that level's lattice.
 struct CellId
 {
   std::array<Coord, 3> index{};
   int level = 0;
-};
-
-struct Bounds
-{
-  std::array<double, 3> min{};
-  std::array<double, 3> max{};
 };
 
 class RootGrid

@@ -45,10 +45,7 @@ public:
   {
     const Neighbourhood& from = around_[depth_];
     Neighbourhood& to = around_[depth_ + 1];
-    for (int a = 0; a < 3; ++a)
-    {
-      index_[depth_ + 1][a] = 2 * index_[depth_][a] + (octant >> a & 1);
-    }
+    index_[depth_ + 1] = indexOfChild(index_[depth_], octant);
     for (const FromParent& part : fromParents[octant])
     {
       const NodeRef parent = from[part.entry];
@@ -95,8 +92,8 @@ private:
     {
       for (int e = 0; e < 27; ++e)
       {
-        const std::array<int, 3> place{ (octant & 1) + e % 3 - 1, (octant >> 1 & 1) + e / 3 % 3 - 1,
-          (octant >> 2) + e / 9 - 1 };
+        const std::array<int, 3> place{ sideOf(octant, 0) + e % 3 - 1, sideOf(octant, 1) + e / 3 % 3 - 1,
+          sideOf(octant, 2) + e / 9 - 1 };
         int entry = 0;
         int child = 0;
         int part = 0;

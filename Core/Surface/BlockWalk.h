@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Geometry/RayBox.h"
+#include "Geometry/Trilinear.h"
 #include "Surface/CubicRoot.h"
 #include "Surface/SurfaceBlocks.h"
 
@@ -301,20 +302,13 @@ struct PlaceGradients
 inline PlaceGradients gradientsAt(const SurfaceRecord& record, const BlockPlanes& planes,
   const Bounds& domain, int octant, const Vec3& place) noexcept
 {
-  constexpr std::array<int, 3> stride{ 1, 5, 25 };
   PlaceGradients gradients;
   for (int a = 0; a < 3; ++a)
   {
-    const int b = (a + 1) % 3;
-    const int c = (a + 2) % 3;
     const int half = octant >> 2 * a & 1;
-    const double* face = record.values.data() + firstVertex(octant) - half * stride[a];
+    const double* face = record.values.data() + firstVertex(octant) - half * block::vertexStride[a];
     const auto difference = [&](int plane) {
-      const double* v = face + plane * stride[a];
-      const auto at = [&](int i) { return v[i + stride[a]] - v[i]; };
-      const double low = at(0) + place[b] * (at(stride[b]) - at(0));
-      const double high = at(stride[c]) + place[b] * (at(stride[b] + stride[c]) - at(stride[c]));
-      return low + place[c] * (high - low);
+      return slopeAlong(a, face + plane * block::vertexStride[a], block::vertexStride, place);
     };
     const int cell = (octant >> 2 * a & 3) - half;
     const double lower = difference(0) * planes.inverseWidth[a][cell];

@@ -39,14 +39,6 @@ std::vector<double> checked(std::vector<double> isovalues)
   return isovalues;
 }
 
-void checkRanges(const Field& field)
-{
-  if (!field.hasNodeRanges())
-  {
-    throw Error("isosurface: the field has no node ranges to find the surface by");
-  }
-}
-
 /// The rays of an image, and what of them is asked about.
 class ImageRays
 {
@@ -233,7 +225,7 @@ Isosurface::Isosurface(
   std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes, int mostCellDepth)
 {
   isovalues = checked(std::move(isovalues));
-  checkRanges(required(field, "isosurface"));
+  required(field, "isosurface");
   impl_ = std::make_unique<Impl>(std::move(field), std::move(isovalues), keptBytes, mostCellDepth);
 }
 

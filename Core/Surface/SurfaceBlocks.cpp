@@ -21,7 +21,7 @@ class Search
 {
 public:
   Search(const Field& field, const std::vector<double>& isovalues, int deepest)
-    : field_(field)
+    : ranges_(field.nodeRanges())
     , octree_(field.octree())
     , isovalues_(isovalues)
     , deepest_(deepest)
@@ -33,7 +33,7 @@ public:
   void visit(std::uint64_t node, const std::array<Coord, 3>& index, int depth, Range parent,
     LargeVector<SurfaceBlock>& found) const
   {
-    const Range range = field_.nodeRange(NodeRef(NodeKind::Inner, depth, node), parent);
+    const Range range = ranges_.of(node, parent);
     if (!holdsIsovalue(range))
     {
       return;
@@ -55,12 +55,7 @@ public:
       return;
     }
     const auto visitChild = [&](int octant, LargeVector<SurfaceBlock>& into) {
-      std::array<Coord, 3> child;
-      for (int a = 0; a < 3; ++a)
-      {
-        child[a] = 2 * index[a] + (octant >> a & 1);
-      }
-      visit(children.innerIndex(octant), child, depth + 1, range, into);
+      visit(children.innerIndex(octant), indexOfChild(index, octant), depth + 1, range, into);
     };
     if (depth >= serialDepth_)
     {
@@ -93,7 +88,7 @@ private:
     return first != isovalues_.end() && *first <= std::nextafter(range.max, infinity);
   }
 
-  const Field& field_;
+  const NodeRanges& ranges_;
   const Octree& octree_;
   const std::vector<double>& isovalues_;
   int deepest_;

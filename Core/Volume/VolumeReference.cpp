@@ -1,6 +1,7 @@
 #include "Volume/VolumeReference.h"
 
 #include "Geometry/RayBox.h"
+#include "Geometry/Trilinear.h"
 #include "Interpolation/VertexValues.h"
 #include "Octree/TreePath.h"
 
@@ -46,25 +47,17 @@ public:
   /// p: half widths from the leaf's lower corner, 0 to 2.
   float operator()(const std::array<double, 3>& p) const noexcept
   {
-    constexpr std::array<int, 3> stride{ 1, 3, 9 };
     int base = 0;
     std::array<double, 3> f;
     for (int a = 0; a < 3; ++a)
     {
       const bool upper = p[a] >= 1.;
-      base += upper ? stride[a] : 0;
+      base += upper ? leafVertexStride[a] : 0;
       f[a] = std::clamp(p[a] - upper, 0., 1.);
     }
-    const float* v = values_.data() + base;
-    // In double precision: the difference of two floats may be none.
-    const auto alongX = [&](int i) { return v[i] + f[0] * (static_cast<double>(v[i + 1]) - v[i]); };
-    const auto alongY = [&](int i) {
-      const double a = alongX(i);
-      return a + f[1] * (alongX(i + 3) - a);
-    };
-    const double a = alongY(0);
     // Rounding must not leave the range by which nodes are skipped.
-    return std::clamp(static_cast<float>(a + f[2] * (alongY(9) - a)), range_.min, range_.max);
+    return std::clamp(static_cast<float>(trilinear(cornersOf(values_.data() + base, leafVertexStride), f)),
+      range_.min, range_.max);
   }
 
 private:
@@ -82,6 +75,7 @@ public:
     , camera_(camera)
     , stops_(stops)
     , settings_(settings)
+    , ranges_(settings.skipEmpty ? &field.nodeRanges() : nullptr)
     , path_(field.octree())
   {
   }
@@ -177,9 +171,9 @@ private:
   {
     const NodeRef node = path_.node();
     Range range = parent;
-    if (node.isInner() && settings_.skipEmpty)
+    if (node.isInner() && ranges_)
     {
-      range = field_.nodeRange(node, parent);
+      range = ranges_->of(node.index(), parent);
       if (!transferFunction_.isVisible(range))
       {
         return;
@@ -210,16 +204,12 @@ private:
       return;
     }
     ++statistics_.nodes;
-    // Any order in which an octant follows those nearer along each axis is front to back for every ray from
-    // the eye: counting up in the bits that differ from the nearest octant's.
-    int nearest = 0;
+    Vec3 middle;
     for (int a = 0; a < 3; ++a)
     {
-      const bool upper = camera_.isPerspective()
-        ? camera_.eye()[a] >= field_.octree().grid().nodePlane(a, 2 * path_.index()[a] + 1, path_.depth() + 1)
-        : direction_[a] < 0.;
-      nearest |= upper << a;
+      middle[a] = field_.octree().grid().nodePlane(a, 2 * path_.index()[a] + 1, path_.depth() + 1);
     }
+    const int nearest = camera_.nearestOctant(middle, direction_);
     for (int i = 0; i < 8; ++i)
     {
       const int octant = i ^ nearest;
@@ -329,6 +319,7 @@ private:
   const Camera& camera_;
   const RayStops& stops_;
   const VolumeSettings& settings_;
+  const NodeRanges* ranges_; // null: nothing is skipped
   TreePath path_;
   VertexMemo memo_;
   std::vector<TileRay> rays_;

@@ -47,10 +47,6 @@ void check(const Field& field, const TransferFunction& transferFunction, const C
       " samples per cell, allowed are values above 0 up to " +
       std::to_string(VolumeSettings::maxSamplesPerCell));
   }
-  if (settings.skipEmpty && !field.hasNodeRanges())
-  {
-    throw Error("volume: the field has no node ranges to skip by");
-  }
   stops.check(camera, "volume");
 }
 
@@ -258,8 +254,8 @@ void fillTable(VolumeKernelScene& scene)
 VolumeKernelScene makeScene(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, Image* image)
 {
-  VolumeKernelScene scene{ field, transferFunction, camera, stops, settings, kept, image, {}, {}, {}, 0., 1.,
-    1., {}, {}, 0., 0. };
+  VolumeKernelScene scene{ field, transferFunction, camera, stops, settings, kept, image,
+    settings.skipEmpty ? &field.nodeRanges() : nullptr, {}, {}, {}, 0., 1., 1., {}, {}, 0., 0. };
   place(scene);
   measurePixels(scene);
   return scene;

@@ -67,7 +67,7 @@ struct VolumeStatistics
 
 /// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds
 /// what the next frame need not compute again. A ray is integrated from stop to stop, with no sample across one; what
-/// the stops hide from all rays is not visited. The field needs its node ranges if settings.skipEmpty. Throws Error
+/// the stops hide from all rays is not visited. Throws Error
 /// when the image's size or that of the stops is not the camera's, `kept` is another field's, the settings are not
 /// finite and positive or a value is none of the transfer function's categories.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,

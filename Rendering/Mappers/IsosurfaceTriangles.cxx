@@ -157,7 +157,7 @@ vtkSmartPointer<vtkUnsignedCharArray> IsosurfaceTriangles::Colors(
   HitColors colors;
   if (hasCategories(this->Mapper, source))
   {
-    const auto categories = acquireCategories(grid, source.components[0], false);
+    const auto categories = acquireCategories(grid, source.components[0]);
     sampleAtPoints(
       { categories, &categories->numbers }, InterpolationMethod::Nearest, triangles, 1, values.data());
     colors = mapCategories(this->Mapper, *categories, values, hits, ofItself ? &isovalues : nullptr);
@@ -170,8 +170,8 @@ vtkSmartPointer<vtkUnsignedCharArray> IsosurfaceTriangles::Colors(
   {
     for (std::size_t c = 0; c < count; ++c)
     {
-      sampleAtPoints(acquireField(grid, source.components[c], false), InterpolationMethod::GTI, triangles,
-        count, &values[c]);
+      sampleAtPoints(
+        acquireField(grid, source.components[c]), InterpolationMethod::GTI, triangles, count, &values[c]);
     }
     colors = mapValues(this->Mapper, source, values);
   }

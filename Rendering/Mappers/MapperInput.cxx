@@ -124,7 +124,7 @@ bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySel
 
 template <class Made>
 const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+  vtkHyperTreeGrid* grid, const ArraySelection& selection)
 {
   const vtkMTimeType time = grid ? gridModificationTime(grid) : 0;
   const bool known = grid_ == grid && time_ == time && selection_.name == selection.name &&
@@ -133,7 +133,7 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
   {
     std::rethrow_exception(failure_);
   }
-  if (!known || !made_ || (withNodeRanges && !made_->hasNodeRanges()))
+  if (!known || !made_)
   {
     grid_ = grid;
     time_ = time;
@@ -145,11 +145,11 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
       // The old one lives until the new one is there: they may share an octree.
       if constexpr (std::is_same_v<Made, Categories>)
       {
-        made_ = acquireCategories(grid, selection, withNodeRanges);
+        made_ = acquireCategories(grid, selection);
       }
       else
       {
-        made_ = acquireField(grid, selection, withNodeRanges);
+        made_ = acquireField(grid, selection);
         remark_ = mergedDoubles(grid, selection, *made_);
       }
     }

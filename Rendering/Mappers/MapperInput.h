@@ -48,8 +48,7 @@ class InputSlot
 {
 public:
   /// Throws Error as acquireField() and acquireCategories().
-  const std::shared_ptr<const Made>& acquire(
-    vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges);
+  const std::shared_ptr<const Made>& acquire(vtkHyperTreeGrid* grid, const ArraySelection& selection);
   /// What users should know of what acquire() gave last; nothing of categories.
   const Remark& remark() const noexcept { return remark_; }
   /// For when it is not needed any more.

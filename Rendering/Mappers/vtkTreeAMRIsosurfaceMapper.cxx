@@ -269,7 +269,8 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
   contoured.name = treeamr::processedArrayName(this, grid);
   contoured.component = this->IsosurfaceComponent;
   Internals& internals = *this->Private;
-  const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured, true);
+  const std::shared_ptr<const treeamr::Field>& field = internals.ContourSlot.acquire(grid, contoured);
+  field->nodeRanges(); // made now, they do not count as a frame's time
   std::vector<double> isovalues(this->GetNumberOfContours());
   this->GetValues(isovalues.data());
   if (internals.Surfaces.set(field, isovalues))
@@ -396,7 +397,7 @@ std::shared_ptr<const Made> vtkTreeAMRIsosurfaceMapper::AcquireColors(
 {
   try
   {
-    const std::shared_ptr<const Made>& made = slot.acquire(grid, selection, false);
+    const std::shared_ptr<const Made>& made = slot.acquire(grid, selection);
     this->Warn(slot.remark());
     return made;
   }

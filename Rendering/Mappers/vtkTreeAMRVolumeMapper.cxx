@@ -375,15 +375,16 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
   std::shared_ptr<const treeamr::Field> field;
   if (this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty()))
   {
-    internals.Categories = internals.CategorySlot.acquire(this->GetHyperTreeGrid(), selection, true);
+    internals.Categories = internals.CategorySlot.acquire(this->GetHyperTreeGrid(), selection);
     field = { internals.Categories, &internals.Categories->numbers };
   }
   else
   {
-    field = internals.FieldSlot.acquire(this->GetHyperTreeGrid(), selection, true);
+    field = internals.FieldSlot.acquire(this->GetHyperTreeGrid(), selection);
     internals.CategorySlot.release();
     internals.Categories.reset();
   }
+  field->nodeRanges(); // made now, they do not count as a frame's time
   const treeamr::Remark& remark = internals.FieldSlot.remark();
   if (!remark.text.empty() && internals.Messages.isNews(remark.about))
   {
@@ -466,7 +467,7 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
   }
   const double* isovalues = contours->GetValues();
   const std::shared_ptr<const treeamr::Field> field = internals.Categories
-    ? internals.FieldSlot.acquire(this->GetHyperTreeGrid(), this->SelectArray(), true)
+    ? internals.FieldSlot.acquire(this->GetHyperTreeGrid(), this->SelectArray())
     : internals.Field;
   if (internals.Surfaces[treeamr::eyeOf(renderer)].set(
         field, std::vector<double>(isovalues, isovalues + count)))

@@ -2,8 +2,6 @@
 
 #include "MapperInput.h"
 
-#include "Octree/Forest.h"
-
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
@@ -108,7 +106,7 @@ NodeRef nodeAt(const Octree& octree, const CellId& cell)
   NodeRef node = octree.root();
   for (int up = octree.grid().paddingDepth() + cell.level - 1; up >= 0 && node.isInner(); --up)
   {
-    node = octree.child(node, detail::octantAbove(cell.index, up));
+    node = octree.child(node, octantAbove(cell.index, up));
   }
   return node;
 }

@@ -123,6 +123,7 @@ class Extractor
 public:
   Extractor(const Field& field, float isovalue)
     : field_(field)
+    , ranges_(field.nodeRanges())
     , octree_(field.octree())
     , isovalue_(isovalue)
     , padding_(octree_.grid().paddingDepth())
@@ -210,7 +211,7 @@ private:
   template <class Visit>
   void walkInner(TreePath& at, Range parent, Nodes nodes, const Visit& visit)
   {
-    const Range range = field_.nodeRange(at.node(), parent);
+    const Range range = ranges_.of(at.node().index(), parent);
     if (nodes == Nodes::MayHoldIsovalue && !contains(range, isovalue_))
     {
       return;
@@ -436,6 +437,7 @@ private:
   }
 
   const Field& field_;
+  const NodeRanges& ranges_;
   const Octree& octree_;
   float isovalue_;
   int padding_;

@@ -180,7 +180,6 @@ void expectSame(const std::array<int, 3>& roots, const std::vector<LeafCell>& ce
   source.ghostsBelow = ghostsBelow;
   auto built = buildOctree(RootGrid::uniform(roots, { 0., 0., 0. }, { 1., 1., 1. }), source);
   Field field(built.octree, std::move(built.values));
-  field.computeNodeRanges();
   for (const float isovalue : isovalues)
   {
     const Expected expected(field, isovalue);
@@ -256,6 +255,5 @@ TEST(PaperPrimitives, AreRefusedWhereIndicesDoNotFit)
   expectSame({ 1, 1, 1 }, chain(31), noGhosts, { 0.5f }, counts);
   auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), chain(32));
   Field field(built.octree, std::move(built.values));
-  field.computeNodeRanges();
   EXPECT_THROW(extractPrimitives(field, 0.5f, Extraction::Naive), Error);
 }

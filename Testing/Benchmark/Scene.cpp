@@ -57,7 +57,7 @@ TransferFunction sheetTransferFunction()
 std::shared_ptr<Field> makeField(OctreeAndValues built)
 {
   auto field = std::make_shared<Field>(std::move(built.octree), std::move(built.values));
-  field->computeNodeRanges();
+  field->nodeRanges();
   return field;
 }
 

@@ -28,7 +28,6 @@ std::shared_ptr<Field> wavesIn(const std::shared_ptr<const Octree>& octree, floa
     values[i] = offset + 0.1f * static_cast<float>(i % 7);
   }
   auto field = std::make_shared<Field>(octree, std::move(values));
-  field->computeNodeRanges();
   return field;
 }
 

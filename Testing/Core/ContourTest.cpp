@@ -28,21 +28,10 @@ Point minus(const Point& p, const Point& q)
 {
   return { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
 }
-double dot(const Point& p, const Point& q)
-{
-  return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-}
-Point cross(const Point& p, const Point& q)
-{
-  return { p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0] };
-}
-
 Field makeField(const RandomTree& options, const std::vector<LeafCell>& cells)
 {
   auto built = buildOctree(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), cells);
-  Field field(built.octree, built.values);
-  field.computeNodeRanges();
-  return field;
+  return Field(built.octree, built.values);
 }
 
 /// A field as a source of trees with a quarter of the leaves as ghosts.
@@ -272,7 +261,6 @@ TEST(Contour, IsASurfaceAtGhosts)
     const Field plain = makeField(options, makeRandomTree(options));
     auto built = buildOctree(plain.octree().grid(), WithGhosts(plain));
     Field field(built.octree, built.values);
-    field.computeNodeRanges();
     const ContourMesh mesh = contour(field, 0.05, { .gradients = true });
     edges += expectSurface(mesh, field, "seed " + std::to_string(options.seed));
     for (const auto& g : mesh.gradients)
@@ -452,11 +440,7 @@ TEST(Contour, TakesUnevenRoots)
     cells.push_back({ { c, 1 }, static_cast<float>(p[0] * p[0] + p[1] + 0.5 * p[2]) });
   }
   auto built = buildOctree(grid, cells);
-  const auto field = [&] {
-    Field made(built.octree, built.values);
-    made.computeNodeRanges();
-    return std::make_shared<const Field>(std::move(made));
-  }();
+  const auto field = std::make_shared<const Field>(built.octree, built.values);
   const ContourMesh mesh = contour(*field, 16., { .gradients = true });
   EXPECT_GT(mesh.points.size(), 100u);
   expectSurface(mesh, *field, "uneven");
@@ -541,7 +525,6 @@ TEST(Contour, TakesDeepTreesFarFromTheOrigin)
   const std::array<double, 3> origin{ 1e6, -1e6, 3e5 };
   auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, origin, { 1., 1., 1. }), cells);
   Field field(built.octree, built.values);
-  field.computeNodeRanges();
   const ContourMesh mesh = contour(field, 0.);
   EXPECT_GT(mesh.triangles.size(), 19u * 20u);
   for (const auto& [edge, count] : edgesOf(mesh))
@@ -567,7 +550,6 @@ TEST(Contour, IsEmptyWithoutCrossings)
   auto one =
     buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), { { { {}, 0 }, 1.f } });
   Field field(one.octree, one.values);
-  field.computeNodeRanges();
   EXPECT_TRUE(contour(field, 1.).triangles.empty());
   const Field ball = makeBall(2, 1, { 0.5, 0.5, 0.5 });
   EXPECT_TRUE(contour(ball, 1.).points.empty());
@@ -575,7 +557,6 @@ TEST(Contour, IsEmptyWithoutCrossings)
   auto none =
     buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), std::vector<LeafCell>{});
   Field empty(none.octree, none.values);
-  empty.computeNodeRanges();
   EXPECT_TRUE(contour(empty, 0.).points.empty());
 }
 
@@ -604,6 +585,4 @@ TEST(Contour, RejectsWhatItCannotUse)
   {
     EXPECT_THROW(contour(field, bad), Error);
   }
-  const Field unprepared(field.sharedOctree(), field.leafValues());
-  EXPECT_THROW(contour(unprepared, 0.), Error);
 }

@@ -383,8 +383,8 @@ TEST(ExtremeCases, CameraRaysFarFromTheOrigin)
     const Ray ray = camera.ray(6, 5);
     const double middle = domain.offset + 0.5 * domain.width;
     const Vec3 toMiddle{ middle - ray.origin[0], middle - ray.origin[1], middle - ray.origin[2] };
-    const Vec3 beside = test::cross(toMiddle, ray.direction);
-    largest = std::max(largest, std::sqrt(test::dot(beside, beside)) / domain.width);
+    const Vec3 beside = cross(toMiddle, ray.direction);
+    largest = std::max(largest, std::sqrt(dot(beside, beside)) / domain.width);
   }
   expectAtMost(largest, 1e-3, "of the domain's width");
 }

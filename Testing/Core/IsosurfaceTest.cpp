@@ -719,7 +719,6 @@ TEST(Isosurface, WithoutDeepCellsIsThatOfTheirMeans)
   auto built = buildOctree(unitRoots({ 1, 1, 1 }), source);
   ASSERT_TRUE(built.octree->hasGhosts());
   const auto withGhosts = std::make_shared<Field>(built.octree, built.values);
-  withGhosts->computeNodeRanges();
   const Isosurface partly(withGhosts, { -3.3, 5.1 }, Isosurface::defaultKeptBytes, depth);
   const Isosurface entirely(withGhosts, { -3.3, 5.1 });
   EXPECT_GT(partly.octantCount(), coarse.octantCount());

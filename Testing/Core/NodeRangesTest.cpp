@@ -5,7 +5,9 @@
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <bit>
 #include <functional>
 #include <limits>
@@ -137,14 +139,13 @@ TEST(NodeRanges, HoldTheVertexValuesOfAnyField)
       }
       auto built = buildOctree(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), cells);
       Field field(built.octree, std::move(built.values));
-      field.computeNodeRanges();
       std::vector<Range> decoded(Octree::maxDepth + 1); // of the nodes on the path
       TreePath root(*built.octree);
       forEachNode(root, [&](const TreePath& path) {
         const Range parent = path.depth() == 0 ? field.range() : decoded[path.depth() - 1];
         if (path.node().isInner())
         {
-          const Range range = field.nodeRange(path.node(), parent);
+          const Range range = field.nodeRanges().of(path.node().index(), parent);
           EXPECT_LE(parent.min, range.min);
           EXPECT_LE(range.max, parent.max);
           decoded[path.depth()] = range;
@@ -166,10 +167,22 @@ TEST(NodeRanges, CostTwoBytesPerInnerNode)
   auto built =
     buildOctree(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
   Field field(built.octree, std::move(built.values));
-  EXPECT_FALSE(field.hasNodeRanges());
   const std::size_t before = field.byteSize();
-  field.computeNodeRanges();
-  EXPECT_TRUE(field.hasNodeRanges());
+  EXPECT_EQ(before, 4 * (built.octree->leafCount() + built.octree->innerCount()))
+    << "none before they are asked for";
+  const Field copy(field);
+  EXPECT_EQ(field.nodeRanges().byteSize(), 2 * built.octree->innerCount());
   EXPECT_EQ(field.byteSize() - before, 2 * built.octree->innerCount());
-  EXPECT_EQ(before, 4 * (built.octree->leafCount() + built.octree->innerCount()));
+  EXPECT_EQ(&copy.nodeRanges(), &field.nodeRanges()) << "copies share them";
+}
+
+TEST(NodeRanges, AreMadeOnceWhoeverAsks)
+{
+  const RandomTree options{ 4, { 2, 2, 2 }, 5, 0.7, 0., true };
+  auto built =
+    buildOctree(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), makeRandomTree(options));
+  const Field field(built.octree, std::move(built.values));
+  std::vector<const NodeRanges*> found(64);
+  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t i) { found[i] = &field.nodeRanges(); });
+  EXPECT_EQ(std::count(found.begin(), found.end(), &field.nodeRanges()), 64);
 }

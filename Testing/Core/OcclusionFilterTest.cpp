@@ -295,7 +295,6 @@ TEST(OcclusionFilter, SeesAWallOverAFloor)
   setValues(cells, [](const auto& p) { return std::min(p[0], p[2]) - level; });
   auto built = buildOctree(RootGrid::uniform({ roots, roots, roots }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
   auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
   const Isosurface surface(field, { 0. });
   const Camera camera(multiply(perspective(20., 0.1, 30.), lookAt({ 8., 6., 11. }, { 5.9, 6., level })),
     identityMatrix, size, size);

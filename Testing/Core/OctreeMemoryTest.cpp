@@ -53,11 +53,11 @@ TEST(OctreeMemory, FieldsCostSixAndFiveBytesACell)
   const std::size_t before = allocatedBytes;
   auto built = buildOctree(unitCube(), tree);
   Field first(built.octree, std::move(built.values));
-  first.computeNodeRanges();
+  first.nodeRanges();
   const auto cells = static_cast<double>(first.octree().leafCount());
   const std::size_t withOne = allocatedBytes;
   Field second(built.octree, gatherLeafValues(first.octree(), tree));
-  second.computeNodeRanges();
+  second.nodeRanges();
   const std::size_t withTwo = allocatedBytes;
   EXPECT_GT(cells, 200000.);
   EXPECT_LE(static_cast<double>(withOne - before), 5.8 * cells);
@@ -77,7 +77,7 @@ TEST(OctreeMemory, BuildsFromAListWithinThreeTimesTheResult)
     const std::size_t peak = peakBytes([&] {
       auto built = buildOctree(unitCube(), std::move(cells));
       field.emplace(built.octree, std::move(built.values));
-      field->computeNodeRanges();
+      field->nodeRanges();
     });
     EXPECT_LE(peak, 3 * (field->octree().byteSize() + field->byteSize()));
   }

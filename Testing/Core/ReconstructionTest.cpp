@@ -30,7 +30,6 @@ struct Case
   {
     auto built = buildOctree(RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. }), cells);
     auto f = std::make_shared<Field>(built.octree, built.values);
-    f->computeNodeRanges();
     field = f;
   }
   std::vector<LeafCell> cells;
@@ -277,7 +276,7 @@ TEST(Reconstruction, StaysWithinTheNodesRanges)
         const Range parent =
           path.depth() == 0 ? c.field->range() : decoded[path.around(path.depth() - 1)[13].index()];
         const Range exact = hulls[path.node().index()];
-        const Range stored = c.field->nodeRange(path.node(), parent);
+        const Range stored = c.field->nodeRanges().of(path.node().index(), parent);
         decoded[path.node().index()] = stored;
         const double step = (static_cast<double>(parent.max) - parent.min) / 255. + 1e-7; // float spacing
         EXPECT_LE(stored.min, exact.min);

@@ -42,7 +42,6 @@ std::shared_ptr<const Field> makeField(double offset, const Value& value)
   setValues(cells, value);
   auto built = buildOctree(RootGrid::uniform({ 8, 8, 8 }, { offset, offset, offset }, { 1., 1., 1. }), cells);
   auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
   return field;
 }
 

@@ -492,7 +492,6 @@ TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
   }
   auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
   Field field(built.octree, built.values);
-  field.computeNodeRanges();
   const TransferFunction transferFunction(-3e38, 3e38, { { 1.f, 0.f, 0.f, 0.f }, { 0.f, 1.f, 0.f, 5.f } });
   const Camera camera(views().front().clip, identityMatrix, width, height);
   Image image(width, height);
@@ -630,7 +629,6 @@ TEST(VolumeKernel, OneGhostCostsNoMoreThanItsOwnNodes)
   auto built = buildOctree(unitRoots({ 2, 2, 2 }), source);
   ASSERT_TRUE(built.octree->hasGhosts());
   auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
   const Camera camera(views().front().clip, identityMatrix, width, height);
   constexpr std::uint64_t ofItsNodes = 64; // levels and siblings
   for (const double pixels : { 0., 2.5 })

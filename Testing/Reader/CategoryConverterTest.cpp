@@ -93,7 +93,7 @@ TEST(CategoryConverter, EachCellHasItsOwnValue)
     for (const ArraySelection& selection : { ArraySelection{ "id" }, ArraySelection{ "count" },
            ArraySelection{ "scalar" }, ArraySelection{ "vector", 1 }, ArraySelection{ "vector" } })
     {
-      const auto categories = acquireCategories(grid, selection, false);
+      const auto categories = acquireCategories(grid, selection);
       expectAscending(categories->values);
       const auto expected = drawnCells(grid, selection.name, selection.component);
       const auto found = cellsOf(*categories);
@@ -105,10 +105,10 @@ TEST(CategoryConverter, EachCellHasItsOwnValue)
         EXPECT_EQ(found[i].ghost, expected[i].ghost) << selection.name;
       }
     }
-    EXPECT_EQ(acquireCategories(grid, { "id" }, false)->values->GetNumberOfTuples(), 5);
-    EXPECT_EQ(acquireCategories(grid, { "id" }, false)->values->GetDataType(), VTK_INT);
-    EXPECT_EQ(acquireCategories(grid, { "vector", 1 }, false)->values->GetDataType(), VTK_FLOAT);
-    EXPECT_EQ(acquireCategories(grid, { "vector" }, false)->values->GetDataType(), VTK_DOUBLE);
+    EXPECT_EQ(acquireCategories(grid, { "id" })->values->GetNumberOfTuples(), 5);
+    EXPECT_EQ(acquireCategories(grid, { "id" })->values->GetDataType(), VTK_INT);
+    EXPECT_EQ(acquireCategories(grid, { "vector", 1 })->values->GetDataType(), VTK_FLOAT);
+    EXPECT_EQ(acquireCategories(grid, { "vector" })->values->GetDataType(), VTK_DOUBLE);
   }
 }
 
@@ -118,7 +118,7 @@ TEST(CategoryConverter, IdsBeyondFloatStayApart)
   constexpr vtkTypeInt64 ids[]{ 16777216, 16777217, 16777218, (vtkTypeInt64(1) << 53) - 1,
     vtkTypeInt64(1) << 53, -16777217 };
   addArray<vtkTypeInt64Array>(grid, "id", [&](vtkIdType i) { return ids[i % std::size(ids)]; });
-  const auto categories = acquireCategories(grid, { "id" }, true);
+  const auto categories = acquireCategories(grid, { "id" });
   ASSERT_EQ(categories->values->GetNumberOfTuples(), static_cast<vtkIdType>(std::size(ids)));
   auto* const values = vtkTypeInt64Array::SafeDownCast(categories->values);
   ASSERT_TRUE(values);
@@ -139,7 +139,7 @@ TEST(CategoryConverter, BitsAreTwoCategories)
 {
   const auto grid = makeGrid({ .seed = 7 });
   addArray<vtkBitArray>(grid, "bit", [](vtkIdType i) { return static_cast<int>(i % 3 == 0); });
-  const auto categories = acquireCategories(grid, { "bit" }, false);
+  const auto categories = acquireCategories(grid, { "bit" });
   EXPECT_EQ(categories->values->GetDataType(), VTK_UNSIGNED_CHAR);
   EXPECT_EQ(categories->values->GetNumberOfTuples(), 2);
   EXPECT_EQ(categories->numbers.range().max, 1.f);
@@ -156,7 +156,7 @@ TEST(CategoryConverter, AtTheDepthLimitTheLargestVolumeDecides)
   {
     grid->SetDepthLimiter(limit);
     std::size_t merged = 0;
-    for (const DrawnCell& cell : cellsOf(*acquireCategories(grid, { "id" }, false)))
+    for (const DrawnCell& cell : cellsOf(*acquireCategories(grid, { "id" })))
     {
       std::map<double, double> volumes; // by value
       for (const DrawnCell& leaf : all)
@@ -180,30 +180,25 @@ TEST(CategoryConverter, AtTheDepthLimitTheLargestVolumeDecides)
 TEST(CategoryConverter, SharesTheOctreeAndIsMadeOnce)
 {
   const auto grid = makeGrid({ .seed = 9 });
-  const auto field = acquireField(grid, { "count" }, false);
-  const auto categories = acquireCategories(grid, { "count" }, false);
+  const auto field = acquireField(grid, { "count" });
+  const auto categories = acquireCategories(grid, { "count" });
   EXPECT_EQ(&field->octree(), &categories->numbers.octree());
-  EXPECT_FALSE(categories->hasNodeRanges());
-  EXPECT_EQ(acquireCategories(grid, { "count" }, false), categories);
-  const auto withRanges = acquireCategories(grid, { "count" }, true);
-  EXPECT_TRUE(withRanges->hasNodeRanges());
-  EXPECT_EQ(withRanges->numbers.leafValues(), categories->numbers.leafValues());
-  EXPECT_EQ(acquireCategories(grid, { "count" }, false), withRanges);
+  EXPECT_EQ(acquireCategories(grid, { "count" }), categories);
   auto* const count = vtkIntArray::SafeDownCast(grid->GetCellData()->GetArray("count"));
   count->FillValue(3);
   count->Modified();
-  EXPECT_EQ(acquireCategories(grid, { "count" }, false)->values->GetNumberOfTuples(), 1);
+  EXPECT_EQ(acquireCategories(grid, { "count" })->values->GetNumberOfTuples(), 1);
 }
 
 TEST(CategoryConverter, UnfitArraysAreErrors)
 {
   const auto grid = makeGrid({ .seed = 10 });
-  EXPECT_THROW(acquireCategories(nullptr, { "id" }, false), Error);
-  EXPECT_THROW(acquireCategories(grid, { "missing" }, false), Error);
-  EXPECT_THROW(acquireCategories(grid, { "vector", 3 }, false), Error);
+  EXPECT_THROW(acquireCategories(nullptr, { "id" }), Error);
+  EXPECT_THROW(acquireCategories(grid, { "missing" }), Error);
+  EXPECT_THROW(acquireCategories(grid, { "vector", 3 }), Error);
   addArray<vtkDoubleArray>(
     grid, "nothing", [](vtkIdType) { return std::numeric_limits<double>::quiet_NaN(); });
-  EXPECT_THROW(acquireCategories(grid, { "nothing" }, false), Error);
+  EXPECT_THROW(acquireCategories(grid, { "nothing" }), Error);
 }
 
 TEST(CategoryConverter, NoMoreValuesThanAllowed)

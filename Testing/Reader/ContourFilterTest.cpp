@@ -36,7 +36,7 @@ using namespace treeamr::test;
 TEST(ContourFilter, GivesTheCoresSurfacesOneAfterTheOther)
 {
   const auto grid = makeGrid({ .roots = { 2, 2, 2 }, .missingTrees = 0.2, .masked = 0.1, .ghosts = 0.05 });
-  const auto field = acquireField(grid, { "scalar", 0 }, true);
+  const auto field = acquireField(grid, { "scalar", 0 });
   vtkNew<vtkTreeAMRContourFilter> filter;
   filter->SetInputData(grid);
   filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
@@ -170,7 +170,7 @@ TEST(ContourFilter, InterpolatesTheOtherArrays)
     const double tolerance = name == "vector" ? 1e-6 : 1e-3; // of values up to 1 and 999
     for (int c = 0; c < values->GetNumberOfComponents(); ++c)
     {
-      const auto sampler = Sampler::create(InterpolationMethod::GTI, acquireField(grid, { name, c }, false));
+      const auto sampler = Sampler::create(InterpolationMethod::GTI, acquireField(grid, { name, c }));
       for (vtkIdType i = 0; i < output->GetNumberOfPoints(); ++i)
       {
         std::array<double, 3> p;

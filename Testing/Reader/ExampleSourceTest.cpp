@@ -143,7 +143,7 @@ TEST(ExampleSource, SyntheticIsThePapers)
   }
   EXPECT_EQ(volume, 64.);
   expectMeans(grid, "xyz");
-  EXPECT_EQ(acquireField(grid, { "xyz" }, false)->octree().leafCount(), 288u);
+  EXPECT_EQ(acquireField(grid, { "xyz" })->octree().leafCount(), 288u);
 }
 
 TEST(ExampleSource, MandelbulbHasTheLeavesOfTheBalancedForest)

@@ -45,29 +45,29 @@ TEST(FieldCache, SharesOctreeAndFieldBetweenCopies)
     const auto grid = makeGrid(options);
     const auto a = shallowCopy(grid);
     const auto b = shallowCopy(a);
-    const auto fromA = acquireField(a, { "scalar" }, false);
-    EXPECT_EQ(acquireField(b, { "scalar" }, false), fromA);
-    EXPECT_EQ(acquireField(b, { "scalar", 0 }, false), fromA); // the component of a scalar array
-    const auto vector = acquireField(a, { "vector", 2 }, false);
-    const auto number = acquireField(b, { "count" }, false);
+    const auto fromA = acquireField(a, { "scalar" });
+    EXPECT_EQ(acquireField(b, { "scalar" }), fromA);
+    EXPECT_EQ(acquireField(b, { "scalar", 0 }), fromA); // the component of a scalar array
+    const auto vector = acquireField(a, { "vector", 2 });
+    const auto number = acquireField(b, { "count" });
     EXPECT_EQ(&number->octree(), &vector->octree());
-    EXPECT_NE(acquireField(a, { "vector", 1 }, false), vector);
-    EXPECT_NE(acquireField(a, { "vector" }, false), vector);
+    EXPECT_NE(acquireField(a, { "vector", 1 }), vector);
+    EXPECT_NE(acquireField(a, { "vector" }), vector);
   }
 }
 
 TEST(FieldCache, SharesTheOctreeExceptForCutCells)
 {
   const auto grid = makeGrid({ .notFinite = 0.2 });
-  const auto scalar = acquireField(grid, { "scalar" }, false);
-  const auto vector = acquireField(grid, { "vector", 0 }, false);
+  const auto scalar = acquireField(grid, { "scalar" });
+  const auto vector = acquireField(grid, { "vector", 0 });
   EXPECT_LT(scalar->octree().leafCount(), vector->octree().leafCount());
 
   vtkNew<vtkDoubleArray> twin; // finite where "scalar" is
   twin->DeepCopy(scalarOf(grid));
   twin->SetName("twin");
   grid->GetCellData()->AddArray(twin);
-  EXPECT_EQ(&acquireField(grid, { "twin" }, false)->octree(), &scalar->octree());
+  EXPECT_EQ(&acquireField(grid, { "twin" })->octree(), &scalar->octree());
 }
 
 TEST(FieldCache, KeepsNothingAlive)
@@ -76,7 +76,7 @@ TEST(FieldCache, KeepsNothingAlive)
   std::weak_ptr<const Field> field;
   std::weak_ptr<const Octree> octree;
   {
-    const auto held = acquireField(grid, { "scalar" }, true);
+    const auto held = acquireField(grid, { "scalar" });
     field = held;
     octree = held->sharedOctree();
   }
@@ -88,14 +88,14 @@ TEST(FieldCache, SeesAnArrayChangedInPlace)
 {
   const auto grid = makeGrid({});
   const auto copy = shallowCopy(grid);
-  const auto before = acquireField(grid, { "scalar" }, false);
+  const auto before = acquireField(grid, { "scalar" });
   vtkDoubleArray* scalar = scalarOf(grid);
   for (vtkIdType i = 0; i < scalar->GetNumberOfValues(); ++i)
   {
     scalar->SetValue(i, 100. + static_cast<double>(i));
   }
   scalar->Modified();
-  const auto after = acquireField(copy, { "scalar" }, false);
+  const auto after = acquireField(copy, { "scalar" });
   EXPECT_NE(after, before);
   EXPECT_EQ(&after->octree(), &before->octree());
   EXPECT_GE(after->range().min, 100.f);
@@ -106,17 +106,17 @@ TEST(FieldCache, SeesAnArrayChangedInPlace)
 TEST(FieldCache, SeesValuesOfAnArrayThatIsNotMarked)
 {
   const auto grid = makeGrid({});
-  const auto before = acquireField(grid, { "scalar" }, true);
-  const auto beforeVector = acquireField(grid, { "vector", 2 }, true);
+  const auto before = acquireField(grid, { "scalar" });
+  const auto beforeVector = acquireField(grid, { "vector", 2 });
   const vtkIdType leaf = scalarOf(grid)->GetNumberOfValues() - 1;
   scalarOf(grid)->SetValue(leaf, 12345.);
   grid->Modified();
-  const auto after = acquireField(grid, { "scalar" }, true);
+  const auto after = acquireField(grid, { "scalar" });
   EXPECT_NE(after, before);
   EXPECT_EQ(after->range().max, 12345.f);
-  EXPECT_EQ(acquireField(grid, { "vector", 2 }, true), beforeVector);
+  EXPECT_EQ(acquireField(grid, { "vector", 2 }), beforeVector);
   scalarOf(grid)->SetValue(leaf, 54321.);
-  EXPECT_EQ(acquireField(grid, { "scalar" }, true)->range().max, 54321.f);
+  EXPECT_EQ(acquireField(grid, { "scalar" })->range().max, 54321.f);
 }
 
 TEST(FieldCache, SeesTheTopologyChangedInPlace)
@@ -124,7 +124,7 @@ TEST(FieldCache, SeesTheTopologyChangedInPlace)
   const auto grid = makeUniformlyRefinedGrid(1);
   std::vector<std::shared_ptr<const Field>> held; // so that the entries of earlier states stay
   const auto leaves = [&] {
-    return held.emplace_back(acquireField(grid, { "scalar" }, false))->octree().leafCount();
+    return held.emplace_back(acquireField(grid, { "scalar" }))->octree().leafCount();
   };
   EXPECT_EQ(leaves(), 8u);
   vtkHyperTree* tree = grid->GetTree(0);
@@ -159,18 +159,18 @@ TEST(FieldCache, TellsTreesOfEqualSizeApart)
   scalarOf(grid)->SetNumberOfTuples(17);
   scalarOf(grid)->FillValue(1.);
   other->GetCellData()->ShallowCopy(grid->GetCellData());
-  const auto field = acquireField(grid, { "scalar" }, false);
+  const auto field = acquireField(grid, { "scalar" });
   EXPECT_TRUE(field->octree().child(field->octree().root(), 0).isInner());
-  const auto otherField = acquireField(other, { "scalar" }, false);
+  const auto otherField = acquireField(other, { "scalar" });
   EXPECT_TRUE(otherField->octree().child(otherField->octree().root(), 7).isInner());
 }
 
 TEST(FieldCache, SeesTheCoordinatesChanged)
 {
   const auto grid = makeUniformlyRefinedGrid(1);
-  const auto before = acquireField(grid, { "scalar" }, false);
+  const auto before = acquireField(grid, { "scalar" });
   grid->GetYCoordinates()->SetTuple1(1, 2.); // one array is all three axes', so all change
-  const auto after = acquireField(grid, { "scalar" }, false);
+  const auto after = acquireField(grid, { "scalar" });
   EXPECT_EQ(before->octree().grid().bounds().max[1], 1.);
   EXPECT_EQ(after->octree().grid().bounds().max[1], 2.);
 }
@@ -184,8 +184,8 @@ TEST(FieldCache, TellsMirroredGridsApart)
   const auto mirrored = vtkSmartPointer<vtkHyperTreeGrid>::New();
   mirrored->ShallowCopy(grid);
   mirrored->SetXCoordinates(turned);
-  const auto before = acquireField(grid, { "scalar" }, false);
-  const auto after = acquireField(mirrored, { "scalar" }, false);
+  const auto before = acquireField(grid, { "scalar" });
+  const auto after = acquireField(mirrored, { "scalar" });
   EXPECT_EQ(after->octree().grid().bounds().max[0], 1.);
   for (int o = 0; o < 8; ++o)
   {
@@ -199,22 +199,22 @@ TEST(FieldCache, SeesTheMapOfIndicesChanged)
 {
   const auto grid = makeUniformlyRefinedGrid(1);
   scalarOf(grid)->InsertNextValue(10.);
-  const auto before = acquireField(grid, { "scalar" }, false);
+  const auto before = acquireField(grid, { "scalar" });
   grid->GetTree(0)->SetGlobalIndexStart(1);
-  const auto after = acquireField(grid, { "scalar" }, false);
+  const auto after = acquireField(grid, { "scalar" });
   EXPECT_EQ(&after->octree(), &before->octree());
   EXPECT_EQ(before->range().min, 2.f);
   EXPECT_EQ(after->range().min, 3.f);
 
   const auto shuffled = makeGrid({ .levels = 2, .refine = 1., .explicitIndices = true });
-  const auto original = acquireField(shuffled, { "scalar" }, false);
+  const auto original = acquireField(shuffled, { "scalar" });
   vtkHyperTree* tree = shuffled->GetTree(1);
   const vtkIdType leaf = tree->GetNumberOfVertices() - 1;
   scalarOf(shuffled)->SetValue(
     tree->GetGlobalIndexFromLocal(0), 77.); // of a coarse vertex, without Modified()
   tree->SetGlobalIndexFromLocal(leaf, tree->GetGlobalIndexFromLocal(0));
   EXPECT_LE(original->range().max, 1.f);
-  EXPECT_EQ(acquireField(shuffled, { "scalar" }, false)->range().max, 77.f);
+  EXPECT_EQ(acquireField(shuffled, { "scalar" })->range().max, 77.f);
 }
 
 TEST(FieldCache, IsNotFooledByANewArrayAtAnOldAddress)
@@ -231,7 +231,7 @@ TEST(FieldCache, IsNotFooledByANewArrayAtAnOldAddress)
     scalar->FillValue(round);
     grid->GetCellData()->AddArray(scalar);
     addresses.insert(scalar);
-    held.push_back(acquireField(grid, { "scalar" }, false));
+    held.push_back(acquireField(grid, { "scalar" }));
     EXPECT_EQ(held.back()->range().max, static_cast<float>(round));
   }
   if (addresses.size() == held.size())
@@ -240,18 +240,15 @@ TEST(FieldCache, IsNotFooledByANewArrayAtAnOldAddress)
   }
 }
 
-TEST(FieldCache, AddsRangesToAFieldMadeWithout)
+TEST(FieldCache, FieldsOfOneArrayShareTheirRanges)
 {
   const auto grid = makeGrid({});
-  const auto plain = acquireField(grid, { "scalar" }, false);
-  EXPECT_FALSE(plain->hasNodeRanges());
-  const auto ranged = acquireField(grid, { "scalar" }, true);
-  EXPECT_TRUE(ranged->hasNodeRanges());
-  EXPECT_EQ(&ranged->octree(), &plain->octree());
-  EXPECT_EQ(ranged->leafValues(), plain->leafValues());
-  EXPECT_EQ(acquireField(grid, { "scalar" }, false), ranged);
-  EXPECT_EQ(acquireField(grid, { "scalar" }, true), ranged);
-  EXPECT_FALSE(plain->hasNodeRanges());
+  const auto plain = acquireField(grid, { "scalar" });
+  const std::size_t before = plain->byteSize();
+  const NodeRanges& ranges = acquireField(grid, { "scalar" })->nodeRanges();
+  EXPECT_EQ(&plain->nodeRanges(), &ranges);
+  EXPECT_EQ(plain->byteSize(), before + ranges.byteSize());
+  EXPECT_NE(&acquireField(grid, { "vector", 0 })->nodeRanges(), &ranges);
 }
 
 TEST(FieldCache, ServesManyThreadsWithOneField)
@@ -261,7 +258,7 @@ TEST(FieldCache, ServesManyThreadsWithOneField)
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < fields.size(); ++i)
   {
-    threads.emplace_back([&, i] { fields[i] = acquireField(grid, { "scalar" }, true); });
+    threads.emplace_back([&, i] { fields[i] = acquireField(grid, { "scalar" }); });
   }
   for (std::thread& thread : threads)
   {
@@ -282,7 +279,7 @@ TEST(FieldCache, CanBeCalledFromParallelTasks)
   }
   std::vector<std::shared_ptr<const Field>> fields(64);
   tbb::parallel_for(std::size_t(0), fields.size(), [&](std::size_t i) {
-    fields[i] = acquireField(grids[i / 4 % 8], { "vector", int(i % 4) - 1 }, false);
+    fields[i] = acquireField(grids[i / 4 % 8], { "vector", int(i % 4) - 1 });
   });
   for (std::size_t i = 0; i < fields.size(); ++i)
   {

@@ -167,7 +167,7 @@ TEST(FilteredArrays, ProbesHoldOneFieldAtATimeAndNoneAfterwards)
   grid->GetCellData()->AddArray(tensor);
   std::size_t field = 0;
   const std::size_t one = peakBytes([&] {
-    const auto made = acquireField(grid, { "tensor", 0 }, false);
+    const auto made = acquireField(grid, { "tensor", 0 });
     field = made->byteSize();
   });
   vtkNew<vtkTreeAMRProbeFilter> probe;

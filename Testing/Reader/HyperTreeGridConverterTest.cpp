@@ -36,7 +36,7 @@ namespace
 std::size_t expectSameLeaves(vtkHyperTreeGrid* grid, const std::string& array, int component = -1)
 {
   const std::vector<DrawnCell> expected = drawnCells(grid, array, component);
-  const std::vector<DrawnCell> found = drawnCells(*acquireField(grid, { array, component }, false));
+  const std::vector<DrawnCell> found = drawnCells(*acquireField(grid, { array, component }));
   EXPECT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
   {
@@ -56,7 +56,7 @@ std::string errorOf(vtkHyperTreeGrid* grid, const ArraySelection& selection = { 
 {
   try
   {
-    acquireField(grid, selection, true);
+    acquireField(grid, selection);
   }
   catch (const Error& e)
   {
@@ -149,7 +149,7 @@ TEST_P(ConvertedGrid, KnowsTheGlobalIndicesOfCells)
   for (options.seed = 1; options.seed <= 6; ++options.seed)
   {
     const auto grid = makeGrid(options);
-    const RootGrid rootGrid = acquireField(grid, { "scalar" }, false)->octree().grid();
+    const RootGrid rootGrid = acquireField(grid, { "scalar" })->octree().grid();
     vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
     grid->InitializeTreeIterator(iterator);
     vtkNew<vtkHyperTreeGridNonOrientedGeometryCursor> cursor;
@@ -336,7 +336,7 @@ TEST(Converter, LeavesOutTheSubtreeOfAMaskedCoarseCell)
   mask->Fill(0);
   mask->SetValue(coarse, 1);
   grid->SetMask(mask);
-  const auto field = acquireField(grid, { "scalar" }, true);
+  const auto field = acquireField(grid, { "scalar" });
   EXPECT_EQ(field->octree().leafCount(), 56u);
   EXPECT_TRUE(field->octree().child(field->octree().root(), 3).isNone());
   EXPECT_FALSE(field->octree().child(field->octree().root(), 4).isNone());
@@ -345,7 +345,7 @@ TEST(Converter, LeavesOutTheSubtreeOfAMaskedCoarseCell)
 TEST(Converter, TakesASingleCell)
 {
   const auto grid = makeUniformlyRefinedGrid(0);
-  const auto field = acquireField(grid, { "scalar" }, true);
+  const auto field = acquireField(grid, { "scalar" });
   EXPECT_EQ(field->octree().leafCount(), 1u);
   EXPECT_EQ(field->octree().innerCount(), 0u);
   EXPECT_EQ(field->leafValues(), treeamr::LargeVector<float>{ 1.f });
@@ -533,7 +533,7 @@ TEST(ConverterError, SaysWhyNothingIsLeft)
 
   const auto nan = makeGrid({ .notFinite = 1. });
   expectError(nan, "no cell has a finite value in array 'scalar'");
-  EXPECT_NO_THROW(acquireField(nan, { "vector" }, true));
+  EXPECT_NO_THROW(acquireField(nan, { "vector" }));
   scalarOf(nan)->FillValue(1e60);
   expectError(nan, "within single precision, -3.40282e+38 to 3.40282e+38");
 }

@@ -103,7 +103,7 @@ TEST(ProbeFilter, EqualsTheSamplerForEachMethodAndComponent)
       for (int c = 0; c < values->GetNumberOfComponents(); ++c)
       {
         const auto sampler =
-          Sampler::create(static_cast<InterpolationMethod>(method), acquireField(grid, { name, c }, false));
+          Sampler::create(static_cast<InterpolationMethod>(method), acquireField(grid, { name, c }));
         for (vtkIdType i = 0; i < 2000; ++i)
         {
           std::array<double, 3> p;

@@ -42,7 +42,7 @@ Remark remarkOn(vtkDataArray* array, const std::function<double(int, int)>& valu
   }
   grid->GetCellData()->AddArray(array);
   const ArraySelection selection{ "pressure", component };
-  return mergedDoubles(grid, selection, *acquireField(grid, selection, false));
+  return mergedDoubles(grid, selection, *acquireField(grid, selection));
 }
 
 Remark remarkOnDoubles(const std::function<double(int, int)>& value)

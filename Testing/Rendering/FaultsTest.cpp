@@ -52,15 +52,14 @@ Function original(const char* name)
 namespace treeamr
 {
 
-std::shared_ptr<const Field> acquireField(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, bool withNodeRanges)
+std::shared_ptr<const Field> acquireField(vtkHyperTreeGrid* grid, const ArraySelection& selection)
 {
   if (isShort())
   {
     throw std::bad_alloc();
   }
   return original<decltype(&acquireField)>(
-    "_ZN7treeamr12acquireFieldEP16vtkHyperTreeGridRKNS_14ArraySelectionEb")(grid, selection, withNodeRanges);
+    "_ZN7treeamr12acquireFieldEP16vtkHyperTreeGridRKNS_14ArraySelectionE")(grid, selection);
 }
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,

@@ -285,12 +285,12 @@ TEST_F(IsosurfaceMapperTest, actorsShareAMapper)
 
 TEST_F(IsosurfaceMapperTest, mappersOfAGridShareTheSurface)
 {
-  const auto field = treeamr::acquireField(planeGrid(), { "plane", -1 }, true);
+  const auto field = treeamr::acquireField(planeGrid(), { "plane", -1 });
   const auto surface = treeamr::acquireIsosurface(field, { 0., 0.5 });
   EXPECT_EQ(treeamr::acquireIsosurface(field, { 0., 0.5 }), surface);
   EXPECT_NE(treeamr::acquireIsosurface(field, { 0. }), surface);
   EXPECT_NE(
-    treeamr::acquireIsosurface(treeamr::acquireField(planeGrid(), { "x", -1 }, true), { 0., 0.5 }), surface);
+    treeamr::acquireIsosurface(treeamr::acquireField(planeGrid(), { "x", -1 }), { 0., 0.5 }), surface);
   std::weak_ptr<const treeamr::Isosurface> gone = treeamr::acquireIsosurface(field, { 0.25 });
   EXPECT_TRUE(gone.expired());
 }

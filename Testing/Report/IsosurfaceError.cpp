@@ -252,7 +252,6 @@ void measureSurface(const BaseTree& tree, const Surface& surface, int finestRefi
   for (int refinement = 1; refinement <= finestRefinement; ++refinement)
   {
     const auto field = makeField(tree, refinement, surface.field);
-    field->computeNodeRanges();
     std::vector<Result> results = measureContour(*field, surface);
     results.insert(results.begin(), measureImplicit(field, surface));
     for (const Result& result : results)

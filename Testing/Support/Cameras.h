@@ -38,16 +38,6 @@ inline Vec3 unit(const Vec3& v)
   return { v[0] / n, v[1] / n, v[2] / n };
 }
 
-inline Vec3 cross(const Vec3& a, const Vec3& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
-
-inline double dot(const Vec3& a, const Vec3& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /// World to view coordinates, looking from the eye to the target.
 inline Matrix4 lookAt(const Vec3& eye, const Vec3& target, const Vec3& upwards = { 0.1, 1., 0.2 })
 {

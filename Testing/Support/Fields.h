@@ -16,7 +16,6 @@ inline std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::v
 {
   auto built = buildOctree(grid, cells);
   auto field = std::make_shared<Field>(built.octree, built.values);
-  field->computeNodeRanges();
   return field;
 }
 

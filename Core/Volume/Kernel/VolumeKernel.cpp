@@ -413,11 +413,11 @@ private:
   /// range: the parent's, and the node's on return when empty nodes are skipped.
   bool isVisible(NodeRef node, Range& range) const noexcept
   {
-    if (!node.isInner() || !scene_.settings.skipEmpty)
+    if (!node.isInner() || !scene_.ranges)
     {
       return true;
     }
-    range = scene_.field.nodeRange(node, range);
+    range = scene_.ranges->of(node.index(), range);
     return scene_.transferFunction.isVisible(range);
   }
 
@@ -524,15 +524,13 @@ private:
       return;
     }
     std::array<float, 3> middle;
-    int nearest = 0;
+    Vec3 planes;
     for (int a = 0; a < 3; ++a)
     {
-      const double plane = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
-      middle[a] = toKernel(a, plane);
-      const bool upper =
-        scene_.camera.isPerspective() ? scene_.camera.eye()[a] >= plane : scene_.direction[a] < 0.;
-      nearest |= upper << a;
+      planes[a] = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
+      middle[a] = toKernel(a, planes[a]);
     }
+    const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
     GroupMask crossing[8];
     parts_ == 1 ? cross<true>(box, middle, active, crossing) : cross<false>(box, middle, active, crossing);
     bool hasValues = false;
@@ -571,10 +569,7 @@ private:
         continue;
       }
       const auto index = index_;
-      for (int a = 0; a < 3; ++a)
-      {
-        index_[a] = 2 * index_[a] + (octant >> a & 1);
-      }
+      index_ = indexOfChild(index_, octant);
       path_.descend(octant, children.innerIndex(octant));
       visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
       path_.ascend();

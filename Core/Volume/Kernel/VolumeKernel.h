@@ -52,7 +52,8 @@ struct VolumeKernelScene
   const RayStops& stops;
   const VolumeSettings& settings;
   BlockCache& kept;
-  Image* image; // null: only groups of pixels are rendered
+  Image* image;             // null: only groups of pixels are rendered
+  const NodeRanges* ranges; // null: nothing is skipped
 
   SceneFeatures features;
   Vec3 reference;    // data coordinates; the eye when all rays start there

@@ -13,7 +13,7 @@ int main()
   vtkNew<vtkTreeAMRExampleSource> source;
   source->SetDatasetToSynthetic();
   source->Update();
-  const auto field = treeamr::acquireField(source->GetHyperTreeGridOutput(), { "xyz" }, false);
+  const auto field = treeamr::acquireField(source->GetHyperTreeGridOutput(), { "xyz" });
   std::cout << field->octree().leafCount() << " leaves\n";
   return field->octree().leafCount() == 288 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

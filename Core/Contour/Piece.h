@@ -1,6 +1,8 @@
-// One octant (or dual cell): a box with eight corner values, trilinear between them, and its contour lines on
+// One piece of the field, an octant or dual cell: a box with eight corner values, trilinear between them, and its contour lines on
 // its faces.
 #pragma once
+
+#include "Geometry/Trilinear.h"
 
 #include <array>
 #include <cmath>
@@ -66,7 +68,7 @@ constexpr OctantTables makeOctantTables()
 inline constexpr OctantTables octantTables = makeOctantTables();
 
 /// Corner values minus the isovalue; from 0 up is inside.
-using PieceValues = std::array<double, 8>;
+using PieceValues = Corners;
 
 inline unsigned insideCorners(const PieceValues& values) noexcept
 {
@@ -128,31 +130,6 @@ inline FaceSegments faceSegments(int face, unsigned inside, const PieceValues& v
     add(from, to);
   }
   return segments;
-}
-
-inline double trilinear(const PieceValues& v, const std::array<double, 3>& p) noexcept
-{
-  const auto along = [](double a, double b, double t) { return a + t * (b - a); };
-  return along(along(along(v[0], v[1], p[0]), along(v[2], v[3], p[0]), p[1]),
-    along(along(v[4], v[5], p[0]), along(v[6], v[7], p[0]), p[1]), p[2]);
-}
-
-/// Per width of the octant.
-inline std::array<double, 3> trilinearGradient(const PieceValues& v, const std::array<double, 3>& p) noexcept
-{
-  std::array<double, 3> gradient{};
-  for (int c = 0; c < 8; ++c)
-  {
-    std::array<double, 3> w;
-    for (int a = 0; a < 3; ++a)
-    {
-      w[a] = c >> a & 1 ? p[a] : 1. - p[a];
-    }
-    gradient[0] += (c & 1 ? v[c] : -v[c]) * w[1] * w[2];
-    gradient[1] += (c & 2 ? v[c] : -v[c]) * w[0] * w[2];
-    gradient[2] += (c & 4 ? v[c] : -v[c]) * w[0] * w[1];
-  }
-  return gradient;
 }
 
 /// Of an edge where it crosses, from the lower end, 0 to 1.
