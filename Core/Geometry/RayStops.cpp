@@ -101,7 +101,7 @@ bool CroppingRegions::shows(const Vec3& point) const noexcept
   return shown >> region & 1;
 }
 
-void RayStops::addBox(const Bounds& box)
+void DataCut::addBox(const Bounds& box)
 {
   for (int a = 0; a < 3; ++a)
   {
@@ -114,7 +114,7 @@ void RayStops::addBox(const Bounds& box)
   }
 }
 
-RayParts RayStops::cut(const Vec3& origin, const Vec3& direction, double begin, double end) const noexcept
+RayParts DataCut::parts(const Vec3& origin, const Vec3& direction, double begin, double end) const noexcept
 {
   for (const HalfSpace& half : halfSpaces)
   {
@@ -138,14 +138,14 @@ RayParts RayStops::parts(const Camera& camera, const Ray& ray, int x, int y) con
   const double begin = beginDepth ? beginDepth[pixel] : 0.;
   const double end = endDepth ? endDepth[pixel] : 1.;
   return begin < end
-    ? cut(ray.origin, ray.direction, camera.tFromDepth(ray, begin), camera.tFromDepth(ray, end))
+    ? cut.parts(ray.origin, ray.direction, camera.tFromDepth(ray, begin), camera.tFromDepth(ray, end))
     : RayParts();
 }
 
 void RayStops::check(const Camera& camera, const char* user) const
 {
   const std::string name(user);
-  for (const HalfSpace& half : halfSpaces)
+  for (const HalfSpace& half : cut.halfSpaces)
   {
     if (!isFinite(half))
     {
@@ -154,9 +154,9 @@ void RayStops::check(const Camera& camera, const char* user) const
         std::to_string(half.offset) + ", allowed are finite ones");
     }
   }
-  for (int i = 0; cropping && i < 6; ++i)
+  for (int i = 0; cut.cropping && i < 6; ++i)
   {
-    if (std::isnan(cropping->planes[i]))
+    if (std::isnan(cut.cropping->planes[i]))
     {
       throw Error(name + ": cropping plane " + std::to_string(i) + " is not a number");
     }

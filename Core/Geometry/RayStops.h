@@ -22,6 +22,8 @@ struct HalfSpace
 {
   Vec3 normal; // of any length; 0 has all points or, with a positive offset, none
   double offset;
+
+  bool operator==(const HalfSpace&) const = default;
 };
 
 /// Two planes across each axis of data coordinates make 27 regions, each shown or hidden: those of
@@ -33,6 +35,7 @@ struct CroppingRegions
   std::uint32_t shown;
 
   bool shows(const Vec3& point) const noexcept;
+  bool operator==(const CroppingRegions&) const = default;
 };
 
 /// A translucent surface on a ray.
@@ -66,6 +69,21 @@ struct RayParts
   }
 };
 
+/// What is drawn of data coordinates: what is in all half spaces and in a shown region.
+struct DataCut
+{
+  std::vector<HalfSpace> halfSpaces;
+  std::optional<CroppingRegions> cropping;
+
+  bool isEmpty() const noexcept { return halfSpaces.empty() && !cropping; }
+  /// Draws what is in the box alone.
+  void addBox(const Bounds& box);
+  /// What is left of a ray's [begin, end). The direction may have any length: t counts in it. The end may be infinite.
+  RayParts parts(const Vec3& origin, const Vec3& direction, double begin, double end) const noexcept;
+
+  bool operator==(const DataCut&) const = default;
+};
+
 /// The stops of an image's rays. Without any of these everything between the near and the far plane is drawn.
 struct RayStops
 {
@@ -73,24 +91,16 @@ struct RayStops
   /// else width * height entries, lower left first. Not owned.
   const float* beginDepth = nullptr;
   const float* endDepth = nullptr;
-  /// What is in all of them is drawn.
-  std::vector<HalfSpace> halfSpaces;
-  std::optional<CroppingRegions> cropping;
-  /// Surfaces between which the volume lies, shown where it would be. A part of a ray has those from its begin up
-  /// to, but without, its end.
+  DataCut cut;
+  /// Surfaces in the volume, shown whether or not it is cut away around them: who makes the hits has cut them already.
+  /// A ray has those from its begin depth up to, but without, its end depth.
   std::optional<TranslucentHits> hits;
 
   /// Of depths alone.
-  static RayStops depths(const float* begin, const float* end) { return { begin, end, {}, {}, {} }; }
-  /// Draws what is in the box alone.
-  void addBox(const Bounds& box);
-  /// Whether places of data coordinates are cut away.
-  bool cutsData() const noexcept { return !halfSpaces.empty() || cropping; }
-  bool isEmpty() const noexcept { return !beginDepth && !endDepth && !cutsData(); }
+  static RayStops depths(const float* begin, const float* end) { return { begin, end, {}, {} }; }
+  /// Whether no ray is shorter than from the near to the far plane.
+  bool isEmpty() const noexcept { return !beginDepth && !endDepth && cut.isEmpty(); }
 
-  /// What is left of a ray's [begin, end) by the half spaces and cropping regions. The direction may have any length:
-  /// t counts in it. The end may be infinite.
-  RayParts cut(const Vec3& origin, const Vec3& direction, double begin, double end) const noexcept;
   /// The drawn parts of camera.ray(x, y), between the depths, too.
   RayParts parts(const Camera& camera, const Ray& ray, int x, int y) const noexcept;
 

@@ -98,6 +98,7 @@ public:
           const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
           const std::size_t first = stops_.hits->first[pixel];
           tileRay.hits = stops_.hits->hits.subspan(first, stops_.hits->first[pixel + 1] - first);
+          trimHits(tileRay, ray, pixel);
         }
         if (tileRay.parts.count > 0)
         {
@@ -130,18 +131,33 @@ public:
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
-  /// Takes a ray across its hits before `end`; those that are not in its parts are left out.
+  /// To those between the ray's depths.
+  void trimHits(TileRay& tileRay, const Ray& ray, std::size_t pixel) const noexcept
+  {
+    const double begin = stops_.beginDepth ? stops_.beginDepth[pixel] : 0.;
+    const double end = stops_.endDepth ? stops_.endDepth[pixel] : 1.;
+    std::span<const TranslucentHit>& hits = tileRay.hits;
+    if (!(begin < end))
+    {
+      hits = {};
+    }
+    while (!hits.empty() && hits.front().t < camera_.tFromDepth(ray, begin))
+    {
+      hits = hits.subspan(1);
+    }
+    while (!hits.empty() && !(hits.back().t < camera_.tFromDepth(ray, end)))
+    {
+      hits = hits.first(hits.size() - 1);
+    }
+  }
+
+  /// Takes a ray across its hits before `end`.
   static void crossHits(TileRay& ray, double end) noexcept
   {
     for (; !ray.hits.empty() && ray.hits.front().t < end; ray.hits = ray.hits.subspan(1))
     {
       const TranslucentHit& hit = ray.hits.front();
-      bool isDrawn = false;
-      for (int i = 0; i < ray.parts.count; ++i)
-      {
-        isDrawn = isDrawn || (hit.t >= ray.parts.begin[i] && hit.t < ray.parts.end[i]);
-      }
-      if (!isDrawn || !(ray.transmittance > opaqueTransmittance))
+      if (!(ray.transmittance > opaqueTransmittance))
       {
         continue;
       }

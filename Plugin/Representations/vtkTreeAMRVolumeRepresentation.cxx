@@ -8,6 +8,7 @@
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPiecewiseFunction.h"
@@ -17,6 +18,7 @@
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
+#include <algorithm>
 #include <limits>
 
 vtkStandardNewMacro(vtkTreeAMRVolumeRepresentation);
@@ -52,9 +54,16 @@ vtkProp3D* vtkTreeAMRVolumeRepresentation::GetProp()
 void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
 {
   this->DefaultArrayName.clear();
-  // The least value and the negative of the greatest: one reduction over the ranks serves both.
+  // Of values and of the bounds along each axis the least and the negative of the greatest: one reduction over the
+  // ranks serves all.
   constexpr double none = std::numeric_limits<double>::infinity();
-  double local[2] = { none, none };
+  double local[8] = { none, none, none, none, none, none, none, none };
+  double bounds[6];
+  this->Grid->GetBounds(bounds);
+  for (int i = 0; i < 6 && vtkMath::AreBoundsInitialized(bounds); ++i)
+  {
+    local[2 + i] = i % 2 == 0 ? bounds[i] : -bounds[i];
+  }
   vtkCellData* cells = this->Grid->GetCellData();
   for (int i = 0; i < cells->GetNumberOfArrays() && this->DefaultArrayName.empty(); ++i)
   {
@@ -71,10 +80,16 @@ void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
       }
     }
   }
-  double global[2] = { local[0], local[1] };
+  double global[8];
+  std::copy_n(local, 8, global);
   if (auto controller = vtkMultiProcessController::GetGlobalController())
   {
-    controller->AllReduce(local, global, 2, vtkCommunicator::MIN_OP);
+    controller->AllReduce(local, global, 8, vtkCommunicator::MIN_OP);
+  }
+  for (int i = 0; i < 6; ++i)
+  {
+    const double bound = global[2 + i] != none ? global[2 + i] : 0.;
+    this->DataBounds[i] = i % 2 == 0 ? bound : -bound;
   }
   const double low = global[0] != none ? global[0] : 0.;
   const double high = global[0] != none ? -global[1] : 1.;
@@ -125,6 +140,12 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   this->Mapper->SetVectorMode(
     component ? vtkTreeAMRVolumeMapper::COMPONENT : vtkTreeAMRVolumeMapper::MAGNITUDE);
   this->Mapper->SetVectorComponent(component ? colors->GetVectorComponent() : 0);
+  double planes[6];
+  for (int i = 0; i < 6; ++i)
+  {
+    planes[i] = this->CroppingOrigin[i / 2] + this->DataBounds[i] * this->CroppingScale[i / 2];
+  }
+  this->Mapper->SetCroppingRegionPlanes(planes);
 }
 
 //------------------------------------------------------------------------------
@@ -256,6 +277,28 @@ double vtkTreeAMRVolumeRepresentation::GetFrameSeconds()
     seconds += statistics->GetValueByName(0, part).ToDouble();
   }
   return seconds;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetCropping(bool crop)
+{
+  this->Mapper->SetCropping(crop); // to VTK's default regions: what is between the planes
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetCroppingOrigin(double x, double y, double z)
+{
+  this->CroppingOrigin[0] = x;
+  this->CroppingOrigin[1] = y;
+  this->CroppingOrigin[2] = z;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetCroppingScale(double x, double y, double z)
+{
+  this->CroppingScale[0] = x;
+  this->CroppingScale[1] = y;
+  this->CroppingScale[2] = z;
 }
 
 //------------------------------------------------------------------------------

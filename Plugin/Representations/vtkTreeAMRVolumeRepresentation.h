@@ -60,6 +60,13 @@ public:
   double GetEstimatedError();
   double GetFrameSeconds();
   ///@}
+  ///@{
+  /// As ParaView's Volume: draws what is in the box of the data's bounds, scaled about the origin of data coordinates
+  /// and then moved. Default off.
+  void SetCropping(bool crop);
+  void SetCroppingOrigin(double x, double y, double z);
+  void SetCroppingScale(double x, double y, double z);
+  ///@}
   /// Memory in MiB for values kept from frame to frame.
   void SetVertexCacheSize(int size);
   ///@{
@@ -90,6 +97,9 @@ private:
   void UpdateShade();
 
   bool Shade = true; // the isosurfaces
+  double CroppingOrigin[3] = { 0., 0., 0. };
+  double CroppingScale[3] = { 1., 1., 1. };
+  double DataBounds[6] = { 0., 0., 0., 0., 0., 0. }; // of all ranks' grids
   vtkNew<vtkVolume> Volume;
   vtkNew<vtkVolumeProperty> Property;
   vtkNew<vtkTreeAMRVolumeMapper> Mapper;

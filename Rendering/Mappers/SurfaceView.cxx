@@ -32,7 +32,9 @@ void SurfaceView::trace(SurfaceLevels& levels, const SurfacePose& pose, double d
   const Camera camera(pose.clipFromData, pose.viewFromData, reduction_.width(), reduction_.height());
   surface_ = levelOfDetail > 0. ? levels.ofDetail(camera, levelOfDetail) : levels.inFull();
   surface_->startFrame();
-  surface_->render(camera, pose.layers, hits_, pose.mostHits);
+  RayStops stops;
+  stops.cut = pose.cut;
+  surface_->render(camera, stops, pose.layers, hits_, pose.mostHits);
   camera_ = camera;
 }
 

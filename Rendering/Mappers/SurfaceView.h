@@ -7,6 +7,7 @@
 #include "SurfaceShading.h"
 
 #include "Geometry/Camera.h"
+#include "Geometry/RayStops.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Shading.h"
 
@@ -28,6 +29,7 @@ struct SurfacePose
   int width = 0; // of the viewport, in pixels
   int height = 0;
   SurfaceLayers layers = SurfaceLayers::Nearest;
+  DataCut cut;
   std::size_t mostHits = std::numeric_limits<std::size_t>::max(); // of a pixel, nearest first
 
   bool operator==(const SurfacePose&) const = default;

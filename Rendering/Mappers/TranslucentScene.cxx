@@ -10,7 +10,6 @@
 #include "vtkCullerCollection.h"
 #include "vtkImageProcessingPass.h"
 #include "vtkNew.h"
-#include "vtkPlaneCollection.h"
 #include "vtkPropCollection.h"
 #include "vtkRenderStepsPass.h"
 #include "vtkRenderer.h"
@@ -58,14 +57,6 @@ bool isCulled(vtkRenderer* renderer, vtkProp* prop)
   return renderer->GetCullers()->GetNumberOfItems() > 0 && prop->GetRenderTimeMultiplier() == 0.;
 }
 
-/// What cuts a volume is not to cut the surfaces of others.
-bool cutsAway(vtkVolume* volume)
-{
-  auto mapper = vtkVolumeMapper::SafeDownCast(volume->GetMapper());
-  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
-  return mapper->GetCropping() || (planes && planes->GetNumberOfItems() > 0);
-}
-
 /// Whether some prop that is drawn as a volume is in it.
 bool hasVolumes(vtkProp* prop)
 {
@@ -111,7 +102,7 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer)
       return {};
     }
   }
-  if (scene.volume && (!drawsVolumesLast(renderer) || cutsAway(scene.volume)))
+  if (scene.volume && !drawsVolumesLast(renderer))
   {
     return {};
   }

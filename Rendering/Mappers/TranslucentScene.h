@@ -32,8 +32,7 @@ struct TranslucentScene
   bool has(const vtkActor* actor) const;
 };
 
-/// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; when the volume is clipped or
-/// cropped; and when volumes may not be drawn after surfaces (the renderer has passes that are not known). While the
+/// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; and when volumes may not be drawn after surfaces (the renderer has passes that are not known). While the
 /// renderer draws.
 TranslucentScene findTranslucentScene(vtkRenderer* renderer);
 

@@ -147,6 +147,7 @@ struct vtkTreeAMRVolumeMapper::Picture
   bool IsWhole; // with all that is translucent in the renderer
   bool IsPeeling;
   bool HasVolume; // else it failed
+  treeamr::DataCut Cut;
   treeamr::ActorLayers Actors;
   std::optional<std::vector<treeamr::SurfaceShader>> Shaders; // once they are traced, the mapper's own first
 };
@@ -608,6 +609,7 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
     pose.width = picture.Viewport.Width;
     pose.height = picture.Viewport.Height;
     pose.layers = treeamr::SurfaceLayers::All;
+    pose.cut = picture.Cut;
     const treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
     treeamr::SurfaceAppearance appearance;
     appearance.opaque = false;
@@ -647,6 +649,7 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     treeamr::RayStops stops = treeamr::RayStops::depths(
       rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data());
+    stops.cut = picture.Cut;
     if (!shaders.empty())
     {
       stops.hits = internals.Layers.hits();
@@ -746,7 +749,9 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
     scene.surfaces.clear();
   }
   Picture picture{ renderer, volume, vtkTreeAMRFramebuffer::GetViewport(renderer), isWhole, isPeeling,
-    this->PrepareVolume(renderer, volume), { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
+    this->PrepareVolume(renderer, volume),
+    { treeamr::convertClippingPlanes(this, volume), treeamr::convertCropping(this) },
+    { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
   if (picture.HasVolume || !picture.Actors.isEmpty())
   {
     isPeeling ? this->DrawPeeled(picture) : this->DrawOver(picture);

@@ -16,11 +16,12 @@
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons
  * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Where nothing is translucent but one such
  * volume and actors of vtkTreeAMRIsosurfaceMapper, the volume draws these with itself, each ray once through
- * everything, with and without depth peeling. Isosurfaces leave no depth. What VTK's
- * volume mappers do besides warns once when it is asked for: shading of the volume itself, gradient opacity,
- * two-dimensional functions, components with functions of their own, cropping, clipping planes. Selections
- * pass through volumes. The property's interpolation type is not asked: the field is always continuous, but
- * for categories.
+ * everything, with and without depth peeling. Isosurfaces leave no depth. Clipping planes (world coordinates) and
+ * cropping (regions of data coordinates) cut the volume and its own isosurfaces, at the planes and not at cells,
+ * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for: shading
+ * of the volume itself, gradient opacity, two-dimensional functions, components with functions of their own.
+ * Selections pass through volumes. The property's interpolation type is not asked: the field is always continuous,
+ * but for categories.
  *
  * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
  * surfaces of its own value have, with the opacity function's opacity there, and nothing is interpolated.

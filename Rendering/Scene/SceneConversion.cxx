@@ -13,11 +13,14 @@
 #include "vtkOpenGLCamera.h"
 #include "vtkOpenGLRenderer.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPlane.h"
+#include "vtkPlaneCollection.h"
 #include "vtkProp3D.h"
 #include "vtkProperty.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkTransform.h"
+#include "vtkVolumeMapper.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -189,6 +192,38 @@ Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop)
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
 {
   return timesPropMatrix(keyMatrices(renderer).clipFromWorld, prop);
+}
+
+std::vector<HalfSpace> convertClippingPlanes(vtkAbstractMapper* mapper, vtkProp3D* prop)
+{
+  std::vector<HalfSpace> halfSpaces;
+  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
+  vtkNew<vtkMatrix4x4> transposed; // world from data
+  prop->GetMatrix(transposed);
+  transposed->Transpose();
+  for (int i = 0; planes && i < planes->GetNumberOfItems(); ++i)
+  {
+    // A plane is a row vector: its product with points of it vanishes.
+    double plane[4];
+    vtkPlane* ofWorld = planes->GetItem(i);
+    ofWorld->GetNormal(plane);
+    plane[3] = -vtkMath::Dot(plane, ofWorld->GetOrigin());
+    transposed->MultiplyPoint(plane, plane);
+    halfSpaces.push_back({ toVec3(plane), -plane[3] });
+  }
+  return halfSpaces;
+}
+
+std::optional<CroppingRegions> convertCropping(vtkVolumeMapper* mapper)
+{
+  if (!mapper->GetCropping())
+  {
+    return std::nullopt;
+  }
+  CroppingRegions regions{};
+  mapper->GetCroppingRegionPlanes(regions.planes.data());
+  regions.shown = static_cast<std::uint32_t>(mapper->GetCroppingRegionFlags());
+  return regions;
 }
 
 bool isStereo(vtkRenderer* renderer)

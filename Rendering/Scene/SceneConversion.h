@@ -6,14 +6,18 @@
 #include "Field/Field.h"
 #include "Field/TransferFunction.h"
 #include "Geometry/Camera.h"
+#include "Geometry/RayStops.h"
 #include "Surface/Shading.h"
 
+#include <optional>
 #include <vector>
 
+class vtkAbstractMapper;
 class vtkDataArray;
 class vtkProp3D;
 class vtkProperty;
 class vtkRenderer;
+class vtkVolumeMapper;
 class vtkVolumeProperty;
 
 namespace treeamr
@@ -32,6 +36,11 @@ int eyeOf(vtkRenderer* renderer);
 
 /// Whether the window wants frames at a rate rather than the best picture.
 bool isInteractive(vtkRenderer* renderer);
+
+/// The mapper's clipping planes, which VTK has in world coordinates, in those of the prop's data.
+std::vector<HalfSpace> convertClippingPlanes(vtkAbstractMapper* mapper, vtkProp3D* prop);
+/// Nothing while cropping is off.
+std::optional<CroppingRegions> convertCropping(vtkVolumeMapper* mapper);
 
 /// The lights that are switched on, in view coordinates.
 std::vector<Light> convertLights(vtkRenderer* renderer);

@@ -83,8 +83,6 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, boo
   const bool hasSecondComponent = anyComponent(1, [&](int i) { return property->GetColorChannels(i) != 1; });
   const bool hasWeights = anyComponent(0, [&](int i) { return property->GetComponentWeight(i) != 1.; });
   return namesOf({
-    { "Cropping", mapper->GetCropping() != 0 },
-    { "ClippingPlanes", hasClippingPlanes(mapper) },
     { "Shade without isosurfaces", property->GetShade() && !hasSurfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
     { "GradientOpacity", hasGradientOpacity(property) },

@@ -15,26 +15,26 @@ using namespace treeamr::test;
 namespace
 {
 
-bool isDrawn(const RayStops& stops, const Vec3& p)
+bool isDrawn(const DataCut& cut, const Vec3& p)
 {
-  for (const HalfSpace& half : stops.halfSpaces)
+  for (const HalfSpace& half : cut.halfSpaces)
   {
     if (dot(half.normal, p) < half.offset)
     {
       return false;
     }
   }
-  if (!stops.cropping)
+  if (!cut.cropping)
   {
     return true;
   }
-  const std::array<double, 6>& planes = stops.cropping->planes;
+  const std::array<double, 6>& planes = cut.cropping->planes;
   int region = 0;
   for (int a = 2; a >= 0; --a)
   {
     region = 3 * region + (p[a] < planes[2 * a] ? 0 : p[a] > planes[2 * a + 1] ? 2 : 1);
   }
-  return stops.cropping->shown & 1u << region;
+  return cut.cropping->shown & 1u << region;
 }
 
 bool contains(const RayParts& parts, double t)
@@ -50,26 +50,26 @@ bool contains(const RayParts& parts, double t)
 }
 
 /// A few of half spaces and cropping, each there or not.
-RayStops randomStops(std::mt19937& random)
+DataCut randomCut(std::mt19937& random)
 {
   std::uniform_real_distribution<double> uniform(-1., 1.);
-  RayStops stops;
+  DataCut cut;
   for (auto i = random() % 4; i > 0; --i)
   {
-    stops.halfSpaces.push_back(
+    cut.halfSpaces.push_back(
       { { uniform(random), uniform(random), uniform(random) }, -0.5 * uniform(random) });
   }
   if (random() % 4 != 0)
   {
-    stops.cropping.emplace();
+    cut.cropping.emplace();
     for (int a = 0; a < 3; ++a)
     {
-      stops.cropping->planes[2 * a] = -std::abs(uniform(random));
-      stops.cropping->planes[2 * a + 1] = std::abs(uniform(random));
+      cut.cropping->planes[2 * a] = -std::abs(uniform(random));
+      cut.cropping->planes[2 * a + 1] = std::abs(uniform(random));
     }
-    stops.cropping->shown = random() & 0x7ffffff;
+    cut.cropping->shown = random() & 0x7ffffff;
   }
-  return stops;
+  return cut;
 }
 
 } // namespace
@@ -82,7 +82,7 @@ TEST(RayStops, PartsAreWhereThePointsAreDrawn)
   int mostParts = 0;
   for (int i = 0; i < 4000; ++i)
   {
-    const RayStops stops = randomStops(random);
+    const DataCut cut = randomCut(random);
     Ray ray{ { 2. * uniform(random), 2. * uniform(random), 2. * uniform(random) },
       { uniform(random), uniform(random), uniform(random) } };
     if (i % 5 == 0)
@@ -92,7 +92,7 @@ TEST(RayStops, PartsAreWhereThePointsAreDrawn)
     const double begin = uniform(random);
     const double end =
       i % 7 == 0 ? std::numeric_limits<double>::infinity() : begin + 4. * std::abs(uniform(random));
-    const RayParts parts = stops.cut(ray.origin, ray.direction, begin, end);
+    const RayParts parts = cut.parts(ray.origin, ray.direction, begin, end);
     mostParts = std::max(mostParts, parts.count);
     for (int k = 0; k < parts.count; ++k)
     {
@@ -109,7 +109,7 @@ TEST(RayStops, PartsAreWhereThePointsAreDrawn)
       {
         p[a] = ray.origin[a] + t * ray.direction[a];
       }
-      const bool drawn = t >= begin && t < end && isDrawn(stops, p);
+      const bool drawn = t >= begin && t < end && isDrawn(cut, p);
       ASSERT_EQ(contains(parts, t), drawn) << "stops " << i << ", t " << t;
       seen += drawn;
     }
@@ -120,15 +120,15 @@ TEST(RayStops, PartsAreWhereThePointsAreDrawn)
 
 TEST(RayStops, ALatticeOfRegionsMakesTheMostParts)
 {
-  RayStops stops;
-  stops.cropping = CroppingRegions{ { 1., 4., 2., 5., 3., 6. }, 0 };
+  DataCut cut;
+  cut.cropping = CroppingRegions{ { 1., 4., 2., 5., 3., 6. }, 0 };
   // Along the diagonal one plane after the other: every other region from the first on.
   for (const double p : { 0.5, 2.5, 4.5, 6.5 })
   {
     const int region = (p > 1.) + (p > 4.) + 3 * ((p > 2.) + (p > 5.)) + 9 * ((p > 3.) + (p > 6.));
-    stops.cropping->shown |= 1u << region;
+    cut.cropping->shown |= 1u << region;
   }
-  const RayParts parts = stops.cut({ 0., 0., 0. }, { 1., 1., 1. }, 0., 7.);
+  const RayParts parts = cut.parts({ 0., 0., 0. }, { 1., 1., 1. }, 0., 7.);
   ASSERT_EQ(parts.count, RayParts::most);
   const std::array<double, 8> expected{ 0., 1., 2., 3., 4., 5., 6., 7. };
   for (int k = 0; k < parts.count; ++k)
@@ -154,8 +154,8 @@ TEST(RayStops, ABoxAndDepthsNarrowARay)
   end[3 * 8 + 4] = static_cast<float>(camera.depthFromT(ray, 4.));
   stops.beginDepth = begin.data();
   stops.endDepth = end.data();
-  stops.addBox({ { 0., 0., 0. }, { 2., 2., 2. } });
-  EXPECT_TRUE(stops.cutsData());
+  stops.cut.addBox({ { 0., 0., 0. }, { 2., 2., 2. } });
+  EXPECT_FALSE(stops.isEmpty());
   parts = stops.parts(camera, ray, 4, 3);
   ASSERT_EQ(parts.count, 1);
   EXPECT_NEAR(parts.end[0], 4., 1e-4);
@@ -172,11 +172,11 @@ TEST(RayStops, ABoxAndDepthsNarrowARay)
 
 TEST(RayStops, OnePlaneWithoutNormalHasAllOrNothing)
 {
-  RayStops stops;
-  stops.halfSpaces.push_back({ {}, 0. });
-  EXPECT_EQ(stops.cut({}, { 1., 0., 0. }, 0., 1.).count, 1);
-  stops.halfSpaces.push_back({ {}, 1. });
-  EXPECT_EQ(stops.cut({}, { 1., 0., 0. }, 0., 1.).count, 0);
+  DataCut cut;
+  cut.halfSpaces.push_back({ {}, 0. });
+  EXPECT_EQ(cut.parts({}, { 1., 0., 0. }, 0., 1.).count, 1);
+  cut.halfSpaces.push_back({ {}, 1. });
+  EXPECT_EQ(cut.parts({}, { 1., 0., 0. }, 0., 1.).count, 0);
 }
 
 TEST(RayStops, RejectsWhatIsNoStop)
@@ -184,10 +184,10 @@ TEST(RayStops, RejectsWhatIsNoStop)
   const Camera camera(
     multiply(perspective(40., 0.5, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 2, 2);
   RayStops plane;
-  plane.halfSpaces.push_back({ { 0., NAN, 0. }, 0. });
+  plane.cut.halfSpaces.push_back({ { 0., NAN, 0. }, 0. });
   EXPECT_THROW(plane.check(camera, "test"), Error);
   RayStops regions;
-  regions.cropping = CroppingRegions{ { 0., 1., 0., NAN, 0., 1. }, 1 };
+  regions.cut.cropping = CroppingRegions{ { 0., 1., 0., NAN, 0., 1. }, 1 };
   EXPECT_THROW(regions.check(camera, "test"), Error);
   const std::array<TranslucentHit, 1> hit{ { { 1., {} } } };
   std::vector<std::size_t> first(5, 0);

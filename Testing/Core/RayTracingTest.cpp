@@ -367,7 +367,7 @@ TEST(Volume, CutsOfAHomogeneousCubeAreExact)
     for (const std::uint32_t shown : { 0x0002000u, 0x7ffdfffu, 0x2ebfeba & 0x7ffffffu, 0x5145145u })
     {
       RayStops stops;
-      stops.cropping =
+      stops.cut.cropping =
         CroppingRegions{ { edges[0][1], edges[0][2], edges[1][1], edges[1][2], edges[2][1], edges[2][2] },
           shown };
       Image image(64, 48);
@@ -393,7 +393,7 @@ TEST(Volume, CutsOfAHomogeneousCubeAreExact)
     }
     // A wedge: the cube's chord less that beyond each plane, which meet in no point of it.
     RayStops wedge;
-    wedge.halfSpaces = { { { 2., 0.3, 0. }, 0.9 }, { { 0., -1., -0.2 }, -0.7 } };
+    wedge.cut.halfSpaces = { { { 2., 0.3, 0. }, 0.9 }, { { 0., -1., -0.2 }, -0.7 } };
     Image image(64, 48);
     renderVolume(*field, constant(1.5f), camera, wedge, {}, image);
     for (int i = 0; i < 64 * 48; ++i)
@@ -433,7 +433,7 @@ TEST(Volume, WhatIsCutAwayTakesNothing)
   };
   const VolumeStatistics all = render({});
   RayStops nothing;
-  nothing.halfSpaces.push_back({ { 1., 0., 0. }, 2.5 });
+  nothing.cut.halfSpaces.push_back({ { 1., 0., 0. }, 2.5 });
   const VolumeStatistics none = render(nothing);
   constexpr std::uint64_t tiles = 16; // each of which looks at the root
   EXPECT_LE(none.nodes, tiles);
@@ -443,13 +443,13 @@ TEST(Volume, WhatIsCutAwayTakesNothing)
   // The two halves of the domain; its middle and what is around that: nodes are entered for one of the two alone, but
   // for those on the way to both. The planes do not quite touch nodes' faces, where rounding may take either side.
   RayStops lower;
-  lower.halfSpaces.push_back({ { -1., 0., 0. }, -0.999 });
+  lower.cut.halfSpaces.push_back({ { -1., 0., 0. }, -0.999 });
   RayStops upper;
-  upper.halfSpaces.push_back({ { 1., 0., 0. }, 1.001 });
+  upper.cut.halfSpaces.push_back({ { 1., 0., 0. }, 1.001 });
   RayStops middle;
-  middle.cropping = CroppingRegions{ { 0.501, 1.499, 0.501, 1.499, 0.501, 1.499 }, 0x0002000u };
+  middle.cut.cropping = CroppingRegions{ { 0.501, 1.499, 0.501, 1.499, 0.501, 1.499 }, 0x0002000u };
   RayStops around;
-  around.cropping = CroppingRegions{ { 0.499, 1.501, 0.499, 1.501, 0.499, 1.501 }, 0x7ffdfffu };
+  around.cut.cropping = CroppingRegions{ { 0.499, 1.501, 0.499, 1.501, 0.499, 1.501 }, 0x7ffdfffu };
   for (const auto& [a, b] : { std::pair(lower, upper), std::pair(middle, around) })
   {
     const VolumeStatistics partA = render(a);
@@ -513,7 +513,7 @@ TEST(Volume, RejectsBadSettings)
   tooManyHits.add(1., { 1.f, 1.f, 1.f, 0.5f });
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, tooManyHits.stops(), {}, right), Error);
   RayStops noPlane;
-  noPlane.halfSpaces.push_back({ { NAN, 0., 0. }, 0. });
+  noPlane.cut.halfSpaces.push_back({ { NAN, 0., 0. }, 0. });
   EXPECT_THROW(renderVolume(*field, constant(1.f), camera, noPlane, {}, right), Error);
 }
 

@@ -370,12 +370,12 @@ TEST(VolumeKernel, CutsEqualTheReferenceOnEveryTarget)
     const Camera camera(view.clip, identityMatrix, width, height);
     const PixelHits hits = makeHits(camera);
     RayStops planes = hits.stops(nullptr, end.data());
-    planes.halfSpaces = { { { 1., 0.4, -0.3 }, 0.6 }, { { -0.2, -1., 0.1 }, -1.4 },
+    planes.cut.halfSpaces = { { { 1., 0.4, -0.3 }, 0.6 }, { { -0.2, -1., 0.1 }, -1.4 },
       { { 0., 0.1, -1. }, -1.6 } };
     RayStops regions; // a lattice of holes
-    regions.cropping = CroppingRegions{ { 0.4, 1.3, 0.7, 1.5, 0.3, 1.25 }, 0x2aaaaaau };
+    regions.cut.cropping = CroppingRegions{ { 0.4, 1.3, 0.7, 1.5, 0.3, 1.25 }, 0x2aaaaaau };
     RayStops both = planes;
-    both.cropping = regions.cropping;
+    both.cut.cropping = regions.cut.cropping;
     for (const RayStops& stops : { planes, regions, both })
     {
       Image expected(width, height);

@@ -381,24 +381,35 @@ TEST_F(MapperErrorsTest, doublesThatFloatMergesWarn)
   surfaceMapper_->RemoveAllObservers();
 }
 
-TEST_F(MapperErrorsTest, clippingAndCroppingWarn)
+TEST_F(MapperErrorsTest, clippingOfSurfacesWarns)
 {
   vtkNew<vtkPlane> plane;
-  MessageCounter volumeMessages(volumeMapper_);
-  MessageCounter surfaceMessages(surfaceMapper_);
-  volume_->VisibilityOn();
+  MessageCounter messages(surfaceMapper_);
   surface_->VisibilityOn();
   const auto unclipped = scene_.render();
-  volumeMapper_->AddClippingPlane(plane);
   surfaceMapper_->AddClippingPlane(plane);
   EXPECT_EQ(scene_.render(), unclipped);
   EXPECT_EQ(scene_.render(), unclipped);
-  EXPECT_EQ(volumeMessages.warnings.size(), 1u);
-  EXPECT_EQ(surfaceMessages.warnings.size(), 1u);
+  EXPECT_EQ(messages.warnings.size(), 1u);
+  surfaceMapper_->RemoveAllObservers();
+}
+
+TEST_F(MapperErrorsTest, clippingPlanesAreFinite)
+{
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(std::nan(""), 0., 0.);
+  MessageCounter messages(volumeMapper_);
+  volume_->VisibilityOn();
+  volumeMapper_->AddClippingPlane(plane);
+  scene_.render();
+  scene_.render();
+  ASSERT_EQ(messages.errors.size(), 1u);
+  EXPECT_NE(messages.errors[0].find("clipping plane"), std::string::npos) << messages.errors[0];
   volumeMapper_->RemoveAllClippingPlanes();
   volumeMapper_->CroppingOn();
-  EXPECT_EQ(scene_.render(), unclipped);
-  EXPECT_EQ(volumeMessages.warnings.size(), 2u);
+  volumeMapper_->SetCroppingRegionPlanes(0., std::nan(""), 0., 1., 0., 1.);
+  scene_.render();
+  ASSERT_EQ(messages.errors.size(), 2u);
+  EXPECT_NE(messages.errors[1].find("cropping plane 1"), std::string::npos) << messages.errors[1];
   volumeMapper_->RemoveAllObservers();
-  surfaceMapper_->RemoveAllObservers();
 }

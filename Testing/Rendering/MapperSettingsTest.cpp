@@ -158,7 +158,6 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
 {
   MessageCounter messages(volumeMapper_);
   vtkVolumeProperty* property = volume_->GetProperty();
-  vtkNew<vtkPlane> plane;
   vtkNew<vtkPiecewiseFunction> function;
   function->AddPoint(0., 0.);
   function->AddPoint(1., 1.);
@@ -168,8 +167,6 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
   EXPECT_EQ(scene_.render(), expected);
   EXPECT_TRUE(messages.warnings.empty());
   const std::vector<std::pair<std::string, std::function<void()>>> settings{
-    { "Cropping", [&] { volumeMapper_->CroppingOn(); } },
-    { "ClippingPlanes", [&] { volumeMapper_->AddClippingPlane(plane); } },
     { "Shade", [&] { property->ShadeOn(); } },
     { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
     { "GradientOpacity", [&] { property->SetGradientOpacity(function); } },

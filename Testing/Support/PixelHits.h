@@ -20,7 +20,7 @@ struct PixelHits
   /// Refers to this.
   RayStops stops(const float* beginDepth = nullptr, const float* endDepth = nullptr) const
   {
-    return { beginDepth, endDepth, {}, {}, TranslucentHits{ first, hits } };
+    return { beginDepth, endDepth, {}, TranslucentHits{ first, hits } };
   }
 };
 

@@ -158,7 +158,7 @@ private:
       makeFan(x0, y0);
     }
     parts_ = 1;
-    const bool isCut = hasHits_ || scene_.stops.cutsData();
+    const bool isCut = hasHits_ || !scene_.stops.cut.isEmpty();
     GroupMask active = 0;
     for (int r = 0; r < tileRays; ++r)
     {
@@ -211,10 +211,25 @@ private:
     return active;
   }
 
-  /// Leaves the ray's parts, and finds its hits.
+  /// Finds the ray's hits, and leaves its parts.
   void cut(int r, int x, int y)
   {
-    if (scene_.stops.cutsData())
+    if (hasHits_)
+    {
+      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+      nextHit_[r] = scene_.stops.hits->first[pixel];
+      endOfHits_[r] = scene_.stops.hits->first[pixel + 1];
+      while (nextHit_[r] != endOfHits_[r] && hitT(r, nextHit_[r]) < begin_[0][r])
+      {
+        ++nextHit_[r];
+      }
+      while (nextHit_[r] != endOfHits_[r] && !(hitT(r, endOfHits_[r] - 1) < end_[0][r]))
+      {
+        --endOfHits_[r];
+      }
+      findHit(r);
+    }
+    if (!scene_.stops.cut.isEmpty())
     {
       const RayParts parts = CommonOrigin ? cutFan(r, x, y) : cutRay(r, x, y);
       while (parts_ < parts.count)
@@ -228,13 +243,6 @@ private:
         end_[part][r] = tToKernel(parts.end[part]);
       }
     }
-    if (hasHits_)
-    {
-      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
-      nextHit_[r] = scene_.stops.hits->first[pixel];
-      endOfHits_[r] = scene_.stops.hits->first[pixel + 1];
-      findHit(r);
-    }
   }
 
   RayParts cutFan(int r, int x, int y) const noexcept
@@ -245,33 +253,21 @@ private:
     {
       direction[a] = fan.direction[a] + x * fan.perX[a] + y * fan.perY[a];
     }
-    return scene_.stops.cut(
+    return scene_.stops.cut.parts(
       scene_.reference, direction, begin_[0][r] / scene_.scale, end_[0][r] / scene_.scale);
   }
 
   RayParts cutRay(int r, int x, int y) const noexcept
   {
     const Ray ray = scene_.camera.ray(x, y);
-    return scene_.stops.cut(ray.origin, ray.direction, begin_[0][r] / scene_.scale + scene_.tReference,
+    return scene_.stops.cut.parts(ray.origin, ray.direction, begin_[0][r] / scene_.scale + scene_.tReference,
       end_[0][r] / scene_.scale + scene_.tReference);
   }
 
-  /// The ray's first hit from the next one on that is in one of its parts.
   void findHit(int r) noexcept
   {
-    nextHitT_[r] = std::numeric_limits<float>::infinity();
-    for (; nextHit_[r] != endOfHits_[r]; ++nextHit_[r])
-    {
-      const float t = hitT(r, scene_.stops.hits->hits[nextHit_[r]]);
-      for (int part = 0; part < parts_; ++part)
-      {
-        if (t >= begin_[part][r] && t < end_[part][r])
-        {
-          nextHitT_[r] = t;
-          return;
-        }
-      }
-    }
+    nextHitT_[r] =
+      nextHit_[r] != endOfHits_[r] ? hitT(r, nextHit_[r]) : std::numeric_limits<float>::infinity();
   }
 
   /// Takes a ray across the hit that it has come to.
@@ -382,9 +378,10 @@ private:
   }
 
   /// Where the ray's begin_ and end_ count.
-  float hitT(int r, const TranslucentHit& hit) const noexcept
+  float hitT(int r, std::size_t hit) const noexcept
   {
-    return CommonOrigin ? static_cast<float>(hit.t * scene_.scale / lengthPerT_[r]) : tToKernel(hit.t);
+    const double t = scene_.stops.hits->hits[hit].t;
+    return CommonOrigin ? static_cast<float>(t * scene_.scale / lengthPerT_[r]) : tToKernel(t);
   }
 
   void finish(int x0, int y0) noexcept
@@ -488,6 +485,12 @@ private:
     }
   }
 
+  HWY_NOINLINE void crossParts(
+    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+  {
+    cross<false>(box, middle, active, children);
+  }
+
   void visit(std::uint64_t node, const Box& box, GroupMask active, Range range)
   {
     ++statistics_.nodes;
@@ -532,7 +535,7 @@ private:
     }
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
     GroupMask crossing[8];
-    parts_ == 1 ? cross<true>(box, middle, active, crossing) : cross<false>(box, middle, active, crossing);
+    parts_ == 1 ? cross<true>(box, middle, active, crossing) : crossParts(box, middle, active, crossing);
     bool hasValues = false;
     Block block;
     for (int i = 0; i < 8; ++i)
@@ -759,37 +762,59 @@ private:
       const int group = std::countr_zero(active);
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
       {
+        if (hasHits_ || parts_ > 1)
+        {
+          block.preIntegrate ? integrateFromStopToStop<true>(values, block, box, lattice, ray)
+                             : integrateFromStopToStop<false>(values, block, box, lattice, ray);
+          continue;
+        }
         block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
                            : integrate<false>(values, block, box, lattice, ray);
       }
     }
   }
 
-  /// Takes the rays from `ray` on through a box, from stop to stop.
+  /// Takes the rays from `ray` on through a box.
   template <bool PreIntegrated, class Values>
   HWY_INLINE void integrate(
     const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
   {
     const FloatTag d;
-    Floats enter = hn::Set(d, -std::numeric_limits<float>::infinity());
-    Floats leave = hn::Set(d, std::numeric_limits<float>::infinity());
-    for (int a = 0; a < 3; ++a)
-    {
-      const Floats low = planeT(a, ray, box.min[a]);
-      const Floats high = planeT(a, ray, box.max[a]);
-      enter = hn::Max(enter, hn::Min(low, high));
-      leave = hn::Min(leave, hn::Max(low, high));
-    }
+    Floats begin = hn::Load(d, begin_[0] + ray);
+    Floats end = hn::Load(d, end_[0] + ray);
+    enterBox(box, ray, begin, end);
+    integratePart<PreIntegrated>(values, block, lattice, ray, begin, end);
+  }
+
+  /// The same, from stop to stop.
+  template <bool PreIntegrated, class Values>
+  HWY_NOINLINE void integrateFromStopToStop(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
+  {
+    const FloatTag d;
     for (int part = 0; part < parts_; ++part)
     {
-      Floats begin = hn::Max(hn::Load(d, begin_[part] + ray), enter);
-      Floats end = hn::Min(hn::Load(d, end_[part] + ray), leave);
+      Floats begin = hn::Load(d, begin_[part] + ray);
+      Floats end = hn::Load(d, end_[part] + ray);
+      enterBox(box, ray, begin, end);
       do
       {
         const Floats stop = hasHits_ ? hn::Min(end, hn::Load(d, nextHitT_ + ray)) : end;
         integratePart<PreIntegrated>(values, block, lattice, ray, begin, stop);
       }
       while (hasHits_ && crossHits(part, ray, begin, end));
+    }
+  }
+
+  /// Narrows parts of rays to a box.
+  HWY_INLINE void enterBox(const Box& box, int ray, Floats& begin, Floats& end) const
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      const Floats low = planeT(a, ray, box.min[a]);
+      const Floats high = planeT(a, ray, box.max[a]);
+      begin = hn::Max(begin, hn::Min(low, high));
+      end = hn::Min(end, hn::Max(low, high));
     }
   }
 
@@ -886,11 +911,13 @@ private:
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
     const Mask done = hn::Gt(light.opacity, hn::Set(d, opaque));
-    for (int part = 0; part < parts_; ++part)
+    int part = 0;
+    do
     {
       float* ends = end_[part] + ray;
       hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, ends)), d, ends);
     }
+    while (++part < parts_);
   }
 
   const VolumeKernelScene& scene_;
