@@ -100,72 +100,6 @@ void vtkTreeAMRIsosurfaceRepresentation::SetIsosurfaceComponent(int component)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetIsovalue(int index, double value)
-{
-  this->Mapper->SetValue(index, value);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetNumberOfIsovalues(int number)
-{
-  this->Mapper->SetNumberOfContours(number);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionSamples(int samples)
-{
-  this->Mapper->SetAmbientOcclusionSamples(samples);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetAutoAdjustSampleDistances(bool adjust)
-{
-  this->Mapper->SetAutoAdjustSampleDistances(adjust);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetImageSampleDistance(double distance)
-{
-  this->Mapper->SetImageSampleDistance(distance);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetMinimumImageSampleDistance(double distance)
-{
-  this->Mapper->SetMinimumImageSampleDistance(distance);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetMaximumImageSampleDistance(double distance)
-{
-  this->Mapper->SetMaximumImageSampleDistance(distance);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetInteractiveRenderTime(double seconds)
-{
-  this->Mapper->SetInteractiveRenderTime(seconds);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetLevelOfDetail(double pixels)
-{
-  this->Mapper->SetLevelOfDetail(pixels);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetAmbientOcclusionRadius(double radius)
-{
-  this->Mapper->SetAmbientOcclusionRadius(radius);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetShadows(bool shadows)
-{
-  this->Mapper->SetShadows(shadows);
-}
-
-//------------------------------------------------------------------------------
 vtkPolyData* vtkTreeAMRIsosurfaceRepresentation::GetTriangles()
 {
   return this->Actor->GetTriangles();
@@ -179,67 +113,7 @@ void vtkTreeAMRIsosurfaceRepresentation::SetExportedTriangles(vtkAlgorithm* tria
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetLookupTable(vtkScalarsToColors* colors)
-{
-  this->Mapper->SetLookupTable(colors);
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::SetMapScalars(bool map)
 {
   map ? this->Mapper->SetColorModeToMapScalars() : this->Mapper->SetColorModeToDirectScalars();
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetAmbient(double coefficient)
-{
-  this->Property->SetAmbient(coefficient);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetDiffuse(double coefficient)
-{
-  this->Property->SetDiffuse(coefficient);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetSpecular(double coefficient)
-{
-  this->Property->SetSpecular(coefficient);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetSpecularPower(double power)
-{
-  this->Property->SetSpecularPower(power);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetOpacity(double opacity)
-{
-  this->Property->SetOpacity(opacity);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetInterpolation(int interpolation)
-{
-  this->Property->SetInterpolation(interpolation);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetAmbientColor(double r, double g, double b)
-{
-  this->Property->SetAmbientColor(r, g, b);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetDiffuseColor(double r, double g, double b)
-{
-  this->Property->SetDiffuseColor(r, g, b);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceRepresentation::SetSpecularColor(double r, double g, double b)
-{
-  this->Property->SetSpecularColor(r, g, b);
 }

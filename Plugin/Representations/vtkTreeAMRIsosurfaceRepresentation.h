@@ -3,15 +3,15 @@
 #ifndef vtkTreeAMRIsosurfaceRepresentation_h
 #define vtkTreeAMRIsosurfaceRepresentation_h
 
-#include "vtkNew.h" // for members
+#include "vtkNew.h"                     // for members
+#include "vtkProperty.h"                // for forwarding
+#include "vtkTreeAMRIsosurfaceMapper.h" // for forwarding
 #include "vtkTreeAMRRepresentation.h"
 
 class vtkAlgorithm;
 class vtkPolyData;
-class vtkProperty;
 class vtkScalarsToColors;
 class vtkTreeAMRIsosurfaceActor;
-class vtkTreeAMRIsosurfaceMapper;
 
 class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRIsosurfaceRepresentation : public vtkTreeAMRRepresentation
 {
@@ -26,17 +26,23 @@ public:
   void SetIsosurfaceComponent(int component);
   ///@{
   /// Forwarded to the mapper.
-  void SetIsovalue(int index, double value);
-  void SetNumberOfIsovalues(int number);
-  void SetAmbientOcclusionSamples(int samples);
-  void SetAutoAdjustSampleDistances(bool adjust);
-  void SetImageSampleDistance(double distance);
-  void SetMinimumImageSampleDistance(double distance);
-  void SetMaximumImageSampleDistance(double distance);
-  void SetInteractiveRenderTime(double seconds);
-  void SetLevelOfDetail(double pixels);
-  void SetAmbientOcclusionRadius(double radius);
-  void SetShadows(bool shadows);
+  void SetIsovalue(int index, double value) { this->Mapper->SetValue(index, value); }
+  void SetNumberOfIsovalues(int number) { this->Mapper->SetNumberOfContours(number); }
+  void SetAmbientOcclusionSamples(int samples) { this->Mapper->SetAmbientOcclusionSamples(samples); }
+  void SetAutoAdjustSampleDistances(bool adjust) { this->Mapper->SetAutoAdjustSampleDistances(adjust); }
+  void SetImageSampleDistance(double distance) { this->Mapper->SetImageSampleDistance(distance); }
+  void SetMinimumImageSampleDistance(double distance)
+  {
+    this->Mapper->SetMinimumImageSampleDistance(distance);
+  }
+  void SetMaximumImageSampleDistance(double distance)
+  {
+    this->Mapper->SetMaximumImageSampleDistance(distance);
+  }
+  void SetInteractiveRenderTime(double seconds) { this->Mapper->SetInteractiveRenderTime(seconds); }
+  void SetLevelOfDetail(double pixels) { this->Mapper->SetLevelOfDetail(pixels); }
+  void SetAmbientOcclusionRadius(double radius) { this->Mapper->SetAmbientOcclusionRadius(radius); }
+  void SetShadows(bool shadows) { this->Mapper->SetShadows(shadows); }
   ///@}
 
   ///@{
@@ -47,20 +53,20 @@ public:
   ///@}
 
   /// Colours of the array chosen in the Coloring section. Without one the surface has the diffuse colour.
-  void SetLookupTable(vtkScalarsToColors* colors);
+  void SetLookupTable(vtkScalarsToColors* colors) { this->Mapper->SetLookupTable(colors); }
   void SetMapScalars(bool map);
 
   ///@{
   /// Forwarded to the actor's property.
-  void SetAmbient(double coefficient);
-  void SetDiffuse(double coefficient);
-  void SetSpecular(double coefficient);
-  void SetSpecularPower(double power);
-  void SetOpacity(double opacity);
-  void SetInterpolation(int interpolation);
-  void SetAmbientColor(double r, double g, double b);
-  void SetDiffuseColor(double r, double g, double b);
-  void SetSpecularColor(double r, double g, double b);
+  void SetAmbient(double coefficient) { this->Property->SetAmbient(coefficient); }
+  void SetDiffuse(double coefficient) { this->Property->SetDiffuse(coefficient); }
+  void SetSpecular(double coefficient) { this->Property->SetSpecular(coefficient); }
+  void SetSpecularPower(double power) { this->Property->SetSpecularPower(power); }
+  void SetOpacity(double opacity) { this->Property->SetOpacity(opacity); }
+  void SetInterpolation(int interpolation) { this->Property->SetInterpolation(interpolation); }
+  void SetAmbientColor(double r, double g, double b) { this->Property->SetAmbientColor(r, g, b); }
+  void SetDiffuseColor(double r, double g, double b) { this->Property->SetDiffuseColor(r, g, b); }
+  void SetSpecularColor(double r, double g, double b) { this->Property->SetSpecularColor(r, g, b); }
   ///@}
 
 protected:

@@ -7,6 +7,7 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkExecutive.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkMath.h"
@@ -46,6 +47,19 @@ vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid)
     time = part ? std::max(time, part->GetMTime()) : time;
   }
   return time;
+}
+
+vtkHyperTreeGrid* inputGrid(vtkAlgorithm* mapper)
+{
+  return mapper->GetNumberOfInputConnections(0) < 1
+    ? nullptr
+    : vtkHyperTreeGrid::SafeDownCast(mapper->GetExecutive()->GetInputData(0, 0));
+}
+
+void shareInput(vtkAlgorithm* mapper, vtkAlgorithm* other)
+{
+  mapper->SetInputConnection(
+    other->GetNumberOfInputConnections(0) > 0 ? other->GetInputConnection(0, 0) : nullptr);
 }
 
 std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId)

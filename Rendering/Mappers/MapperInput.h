@@ -24,6 +24,11 @@ namespace treeamr
 /// Changes with the trees' mask, coordinates and cell arrays: vtkHyperTreeGrid::GetMTime() leaves these out.
 vtkMTimeType gridModificationTime(vtkHyperTreeGrid* grid);
 
+/// Of a mapper's first port; null: there is none.
+vtkHyperTreeGrid* inputGrid(vtkAlgorithm* mapper);
+/// Gives a mapper the input connection of another, or none.
+void shareInput(vtkAlgorithm* mapper, vtkAlgorithm* other);
+
 /// The name of a grid's cell array. Throws Error listing the arrays there are.
 std::string cellArrayName(vtkHyperTreeGrid* grid, int arrayId);
 /// The active scalars, else the first array; empty when the grid has no array.

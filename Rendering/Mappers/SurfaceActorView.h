@@ -1,9 +1,10 @@
 // An actor of isosurfaces in one renderer, as one eye sees it. Private to the module.
 #pragma once
 
+#include "FramePlan.h"
 #include "ImageReduction.h"
 #include "SurfaceView.h"
-#include "vtkTreeAMRFramebuffer.h"
+#include "vtkTreeAMRSurfaceImage.h"
 
 #include "vtkActor.h"
 #include "vtkCommand.h"
@@ -25,8 +26,7 @@ struct SurfaceActorView
   int eye;
 
   SurfacePose pose; // of this frame
-  bool isInteractive = false;
-  bool isDraft = false;
+  FramePlan plan;
   /// Its hits serve all frames until something moves.
   SurfaceView surface;
   // Known of the hits besides.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "SurfaceColors.h"
-#include "vtkTreeAMRFramebuffer.h"
+#include "vtkTreeAMRSurfaceImage.h"
 
 #include "Geometry/Image.h"
 #include "Geometry/RayStops.h"

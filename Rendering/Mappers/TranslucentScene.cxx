@@ -1,5 +1,6 @@
 #include "TranslucentScene.h"
 
+#include "MapperMessages.h"
 #include "SceneConversion.h"
 #include "SurfaceActorView.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
@@ -121,12 +122,12 @@ ActorLayers::ActorLayers(vtkRenderer* renderer, std::span<vtkActor* const> actor
       SurfaceActorView& view = mapper->FindView(renderer, actor, layers);
       if (mapper->UpdateSurface())
       {
-        surfaces_.push_back({ mapper, &view, mapper->ChooseSampleDistance(view) });
+        surfaces_.push_back({ mapper, &view, view.plan.sampleDistance });
       }
     }
     catch (const std::exception& error)
     {
-      mapper->ReportError(error);
+      mapper->GetMessages().error(error);
     }
   }
 }
@@ -155,7 +156,7 @@ const std::vector<SurfaceShader>& ActorLayers::trace(double sampleDistance)
     }
     catch (const std::exception& error)
     {
-      surface.mapper->ReportError(error);
+      surface.mapper->GetMessages().error(error);
       return true;
     }
   });

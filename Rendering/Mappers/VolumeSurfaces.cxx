@@ -19,7 +19,7 @@ void VolumeSurfaces::release()
   view_.release();
 }
 
-const SurfaceView& VolumeSurfaces::trace(const SurfacePose& pose, double distance, double levelOfDetail)
+SurfaceView& VolumeSurfaces::trace(const SurfacePose& pose, double distance, double levelOfDetail)
 {
   if (!view_.isOf(pose) || view_.sampleDistance() != distance || levelOfDetail_ != levelOfDetail)
   {

@@ -26,7 +26,7 @@ public:
 
   /// All hits of a picture; the last ones when nothing has changed. Cells smaller than levelOfDetail pixels are drawn
   /// together. Throws Error as Isosurface().
-  const SurfaceView& trace(const SurfacePose& pose, double distance, double levelOfDetail);
+  SurfaceView& trace(const SurfacePose& pose, double distance, double levelOfDetail);
   std::size_t hitCount() const noexcept { return view_.hits().hits.size(); }
 
 private:

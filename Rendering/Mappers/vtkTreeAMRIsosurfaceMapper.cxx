@@ -2,42 +2,40 @@
 
 #include "ImageReduction.h"
 #include "MapperInput.h"
-#include "OnceReporter.h"
+#include "MapperMessages.h"
+#include "RenderPasses.h"
 #include "SceneConversion.h"
 #include "SurfaceActorView.h"
+#include "SurfaceColoring.h"
 #include "SurfaceColors.h"
 #include "SurfaceLevels.h"
+#include "SurfaceSelection.h"
 #include "SurfaceShading.h"
 #include "TranslucentScene.h"
 #include "UnsupportedSettings.h"
 #include "vtkTreeAMRDepthPeeling.h"
-#include "vtkTreeAMRFramebuffer.h"
+#include "vtkTreeAMRDepthReader.h"
+#include "vtkTreeAMRSurfacePainter.h"
+#include "vtkTreeAMRTarget.h"
 
 #include "Error.h"
+
 #include "vtkActor.h"
 #include "vtkCellData.h"
-#include "vtkCommand.h"
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
-#include "vtkExecutive.h"
 #include "vtkHardwareSelector.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkPropCollection.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkTimerLog.h"
-#include "vtkVolume.h"
-#include "vtkWeakPointer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <optional>
 #include <utility>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
@@ -63,16 +61,18 @@ std::size_t layersBeforeOpaque(double opacity)
 //------------------------------------------------------------------------------
 struct vtkTreeAMRIsosurfaceMapper::Internals
 {
-  vtkTreeAMRFramebuffer Framebuffer;
+  explicit Internals(vtkTreeAMRIsosurfaceMapper* self)
+    : Messages(self)
+  {
+  }
+
+  vtkTreeAMRSurfacePainter Painter;
   vtkTreeAMRDepthPeeling DepthPeeling;
   treeamr::FieldSlot ContourSlot;
-  std::array<treeamr::FieldSlot, 4> ColorSlots; // of the components of a colour
-  treeamr::CategorySlot CategorySlot;
+  treeamr::SurfaceColoring Coloring;
   treeamr::BoundsSlot BoundsSlot;
-  treeamr::OnceReporter Errors; // of a frame
+  treeamr::MapperMessages Messages; // errors of a frame, warnings of a call of Light()
   bool ErrorsAreOfThisFrame = false;
-  treeamr::OnceReporter Warnings; // of a call of Shade(): a frame has one, however often it is rendered
-  treeamr::SettingWarnings SettingWarnings;
 
   std::shared_ptr<const treeamr::Field> Field;
   treeamr::SurfaceLevels Surfaces; // of the field
@@ -88,7 +88,7 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
 
 //------------------------------------------------------------------------------
 vtkTreeAMRIsosurfaceMapper::vtkTreeAMRIsosurfaceMapper()
-  : Private(std::make_unique<Internals>())
+  : Private(std::make_unique<Internals>(this))
 {
 }
 
@@ -130,9 +130,7 @@ void vtkTreeAMRIsosurfaceMapper::SetInputData(vtkHyperTreeGrid* grid)
 //------------------------------------------------------------------------------
 vtkHyperTreeGrid* vtkTreeAMRIsosurfaceMapper::GetHyperTreeGrid()
 {
-  return this->GetNumberOfInputConnections(0) < 1
-    ? nullptr
-    : vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(0, 0));
+  return treeamr::inputGrid(this);
 }
 
 //------------------------------------------------------------------------------
@@ -141,8 +139,7 @@ void vtkTreeAMRIsosurfaceMapper::ShallowCopy(vtkAbstractMapper* mapper)
   this->Superclass::ShallowCopy(mapper);
   if (vtkTreeAMRIsosurfaceMapper* other = vtkTreeAMRIsosurfaceMapper::SafeDownCast(mapper))
   {
-    this->SetInputConnection(
-      other->GetNumberOfInputConnections(0) > 0 ? other->GetInputConnection(0, 0) : nullptr);
+    treeamr::shareInput(this, other);
     this->SetInputArrayToProcess(0, other->GetInputArrayInformation(0));
     this->ContourValues->DeepCopy(other->ContourValues);
     this->SetIsosurfaceComponent(other->IsosurfaceComponent);
@@ -250,15 +247,6 @@ vtkMTimeType vtkTreeAMRIsosurfaceMapper::GetSurfaceBuildTime()
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::Warn(const treeamr::Remark& remark)
-{
-  if (!remark.text.empty() && this->Private->Warnings.isNews(remark.about))
-  {
-    vtkWarningMacro(<< remark.text);
-  }
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
 {
   if (!grid)
@@ -308,7 +296,7 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::Internals::ViewOf(
   this->Views.push_back(std::make_unique<View>(renderer, actor, eye, [this] {
     if (this->ErrorsAreOfThisFrame) // the first of all views to be told
     {
-      this->Errors.endRound();
+      this->Messages.endErrors();
       this->ErrorsAreOfThisFrame = false;
     }
   }));
@@ -321,7 +309,7 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
 {
   treeamr::SurfaceActorView& view = this->Private->ViewOf(this, renderer, actor);
   this->Private->ErrorsAreOfThisFrame = true;
-  const vtkTreeAMRViewport viewport = vtkTreeAMRFramebuffer::GetViewport(renderer);
+  const vtkTreeAMRViewport viewport = vtkTreeAMRTarget::GetViewport(renderer);
   treeamr::SurfacePose& pose = view.pose;
   pose.width = viewport.Width;
   pose.height = viewport.Height;
@@ -336,9 +324,17 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
   pose.mostHits = layers == treeamr::SurfaceLayers::Nearest || this->HasTranslucentPolygonalGeometry()
     ? allLayers
     : layersBeforeOpaque(actor->GetProperty()->GetOpacity());
-  view.isInteractive = treeamr::isInteractive(renderer);
-  view.isDraft = view.isInteractive && this->AutoAdjustSampleDistances && !renderer->GetSelector();
+  view.plan = treeamr::planFrame(renderer, actor, static_cast<double>(pose.width) * pose.height,
+    { this->AutoAdjustSampleDistances, this->ImageSampleDistance, this->MinimumImageSampleDistance,
+      this->MaximumImageSampleDistance, this->InteractiveRenderTime, this->LevelOfDetail },
+    view.sampleDistances, view.surface.isOf(pose) ? view.surface.sampleDistance() : 0.);
   return view;
+}
+
+//------------------------------------------------------------------------------
+treeamr::MapperMessages& vtkTreeAMRIsosurfaceMapper::GetMessages()
+{
+  return this->Private->Messages;
 }
 
 //------------------------------------------------------------------------------
@@ -349,126 +345,19 @@ bool vtkTreeAMRIsosurfaceMapper::UpdateSurface()
 }
 
 //------------------------------------------------------------------------------
-double vtkTreeAMRIsosurfaceMapper::ChooseSampleDistance(treeamr::SurfaceActorView& view)
-{
-  if (view.renderer->GetSelector())
-  {
-    return 1.;
-  }
-  if (!this->AutoAdjustSampleDistances)
-  {
-    return this->ImageSampleDistance;
-  }
-  if (!view.isInteractive)
-  {
-    return this->MinimumImageSampleDistance;
-  }
-  if (view.surface.isOf(view.pose))
-  {
-    return view.surface.sampleDistance(); // a still camera keeps the picture there is
-  }
-  const double seconds =
-    this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : view.actor->GetAllocatedRenderTime();
-  const double pixels = static_cast<double>(view.pose.width) * view.pose.height;
-  return view.sampleDistances.choose(
-    seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::UpdateHits(treeamr::SurfaceActorView& view, double distance)
 {
   // Draft or not: a still camera loses nothing, and takes no time while something else moves.
   if (view.surface.isOf(view.pose) && view.surface.sampleDistance() == distance &&
-    (view.isDraft || view.surface.surface() == this->Private->Surfaces.madeInFull()))
+    (view.plan.isDraft || view.surface.surface() == this->Private->Surfaces.madeInFull()))
   {
     return;
   }
   view.pictureIsOfThisFrame = false;
   view.colorFields.clear();
   const double start = vtkTimerLog::GetUniversalTime();
-  view.surface.trace(this->Private->Surfaces, view.pose, distance, view.isDraft ? this->LevelOfDetail : 0.);
+  view.surface.trace(this->Private->Surfaces, view.pose, distance, view.plan.levelOfDetail);
   view.seconds = vtkTimerLog::GetUniversalTime() - start;
-}
-
-//------------------------------------------------------------------------------
-template <class Made>
-std::shared_ptr<const Made> vtkTreeAMRIsosurfaceMapper::AcquireColors(
-  treeamr::InputSlot<Made>& slot, vtkHyperTreeGrid* grid, const treeamr::ArraySelection& selection)
-{
-  try
-  {
-    const std::shared_ptr<const Made>& made = slot.acquire(grid, selection);
-    this->Warn(slot.remark());
-    return made;
-  }
-  catch (const treeamr::NoFiniteValue& error)
-  {
-    if (!error.isNaN)
-    {
-      this->Warn({ error.what(), error.what() });
-    }
-    return nullptr;
-  }
-}
-
-//------------------------------------------------------------------------------
-treeamr::HitColors vtkTreeAMRIsosurfaceMapper::MapColors(
-  treeamr::SurfaceActorView& view, vtkHyperTreeGrid* grid)
-{
-  Internals& internals = *this->Private;
-  const treeamr::ColorSource source = treeamr::selectColors(this, grid);
-  if (!source.array)
-  {
-    return {};
-  }
-  const std::size_t count = source.components.size();
-  const bool ofItself = count == 1 && treeamr::isSameArray(grid, source.components[0], internals.Contoured);
-  if (treeamr::hasCategories(this, source))
-  {
-    const std::shared_ptr<const treeamr::Categories> categories =
-      this->AcquireColors(internals.CategorySlot, grid, source.components[0]);
-    internals.ColorSlots = {};
-    if (!categories)
-    {
-      view.colorFields.clear();
-      view.colorValues.assign(view.surface.hits().hits.size(), std::numeric_limits<float>::quiet_NaN());
-      return treeamr::mapValues(this, source, view.colorValues);
-    }
-    const std::vector<std::shared_ptr<const treeamr::Field>> numbers{ { categories, &categories->numbers } };
-    if (view.colorFields != numbers)
-    {
-      view.colorValues =
-        treeamr::categoriesAtHits(*categories, *view.surface.surface(), view.surface.hits().hits);
-      view.colorFields = numbers;
-    }
-    return treeamr::mapCategories(this, *categories, view.colorValues, view.surface.hits().hits,
-      ofItself ? &view.surface.surface()->isovalues() : nullptr);
-  }
-  internals.CategorySlot.release();
-  if (ofItself)
-  {
-    return treeamr::mapIsovalues(this, source, view.surface.surface()->isovalues());
-  }
-  std::vector<std::shared_ptr<const treeamr::Field>> fields;
-  for (std::size_t c = 0; c < count; ++c)
-  {
-    fields.push_back(this->AcquireColors(internals.ColorSlots[c], grid, source.components[c]));
-  }
-  if (view.colorFields != fields)
-  {
-    view.colorFields.clear();
-    view.colorValues.assign(count * view.surface.hits().hits.size(), std::numeric_limits<float>::quiet_NaN());
-    for (std::size_t c = 0; c < count; ++c)
-    {
-      if (fields[c])
-      {
-        treeamr::valuesAtHits(
-          fields[c], view.surface.camera(), view.surface.hits(), count, &view.colorValues[c]);
-      }
-    }
-    view.colorFields = fields;
-  }
-  return treeamr::mapValues(this, source, view.colorValues);
 }
 
 //------------------------------------------------------------------------------
@@ -515,22 +404,23 @@ treeamr::SurfaceShader vtkTreeAMRIsosurfaceMapper::Light(treeamr::SurfaceActorVi
     wanted.occlusionSamples = this->AmbientOcclusionSamples;
     wanted.occlusionRadius =
       this->AmbientOcclusionRadius * view.surface.diagonalOf(internals.Field->octree().grid());
-    wanted.mostNewSamples = view.isInteractive ? InteractiveSamples : this->AmbientOcclusionSamples;
+    wanted.mostNewSamples = view.plan.isInteractive ? InteractiveSamples : this->AmbientOcclusionSamples;
     wanted.shadows = this->Shadows;
     visibility = &view.surface.updateVisibility(wanted, appearance.lights);
   }
 
   treeamr::HitColors colors;
-  this->Warn(internals.ContourSlot.remark());
+  this->Private->Messages.warning(internals.ContourSlot.remark());
   try
   {
-    colors = this->MapColors(view, this->GetHyperTreeGrid());
+    colors =
+      internals.Coloring.map(this, internals.Messages, view, this->GetHyperTreeGrid(), internals.Contoured);
   }
   catch (const treeamr::Error& error)
   {
-    this->Warn({ error.what(), error.what() });
+    this->Private->Messages.warning({ error.what(), error.what() });
   }
-  internals.Warnings.endRound();
+  internals.Messages.endWarnings();
   return { view.surface.hits(), view.surface.camera(), std::move(appearance), *visibility,
     std::move(colors) };
 }
@@ -542,7 +432,7 @@ void vtkTreeAMRIsosurfaceMapper::RecordFrame(treeamr::SurfaceActorView& view, do
   {
     const double pixels = static_cast<double>(view.pose.width) * view.pose.height;
     view.sampleDistances.record(
-      view.surface.sampleDistance(), (view.seconds + shadingSeconds) / pixels, view.isInteractive);
+      view.surface.sampleDistance(), (view.seconds + shadingSeconds) / pixels, view.plan.isInteractive);
     view.seconds = -1.;
   }
   this->Private->LastSampleDistance = view.surface.sampleDistance();
@@ -557,10 +447,10 @@ bool vtkTreeAMRIsosurfaceMapper::ReadDepthToFlatten(
   {
     return false;
   }
-  if (!vtkTreeAMRFramebuffer::IsDepthPeeling(view.actor))
+  if (!treeamr::isDepthPeeling(view.actor))
   {
     // VTK's order independent pass would average layers.
-    internals.Framebuffer.ReadDepth(view.renderer, vtkTreeAMRFramebuffer::GetViewport(view.renderer), depth);
+    vtkTreeAMRDepthReader::Read(view.renderer, vtkTreeAMRTarget::GetViewport(view.renderer), depth);
     return true;
   }
   // Each peel draws all layers: where nothing can lie between them, one is the same.
@@ -575,7 +465,7 @@ void vtkTreeAMRIsosurfaceMapper::MakePicture(
 {
   Internals& internals = *this->Private;
   vtkTreeAMRSurfaceImage& image = internals.Image;
-  const bool geometry = vtkTreeAMRFramebuffer::WantsGeometry(view.actor);
+  const bool geometry = treeamr::wantsGeometry(view.actor);
   treeamr::ActorLayers layers(view.renderer, actors, view.pose.layers);
   const double distance = layers.chooseSampleDistance(0.);
   const std::vector<treeamr::SurfaceShader>& shaders = layers.trace(distance);
@@ -599,7 +489,7 @@ void vtkTreeAMRIsosurfaceMapper::MakePicture(
       treeamr::placeHits(shaders.front().hits(), shaders.front().camera(), image);
     }
   }
-  view.picture.Upload(vtkTreeAMRFramebuffer::GetWindow(view.renderer), reduction, image, geometry);
+  view.picture.Upload(vtkTreeAMRTarget::GetWindow(view.renderer), reduction, image, geometry);
   view.picturePose = view.pose;
   view.pictureIsOfThisFrame = true;
   layers.recordShading(vtkTimerLog::GetUniversalTime() - start);
@@ -609,8 +499,7 @@ void vtkTreeAMRIsosurfaceMapper::MakePicture(
 void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* actor)
 {
   Internals& internals = *this->Private;
-  internals.SettingWarnings.add(treeamr::unsupportedSettings(actor, this),
-    [this](const std::string& message) { vtkWarningMacro(<< message); });
+  internals.Messages.unsupported(treeamr::unsupportedSettings(actor, this));
   const bool translucent = actor->IsRenderingTranslucentPolygonalGeometry();
   std::vector<vtkActor*> actors{ actor };
   bool hasAll = false; // of what is translucent
@@ -633,17 +522,17 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   {
     if (this->UpdateSurface())
     {
-      this->UpdateHits(view, this->ChooseSampleDistance(view));
+      this->UpdateHits(view, view.plan.sampleDistance);
       this->Select(view);
     }
     return;
   }
   if (!view.pictureIsOfThisFrame || view.picturePose != view.pose ||
-    view.picture.HasGeometry() != vtkTreeAMRFramebuffer::WantsGeometry(actor))
+    view.picture.HasGeometry() != treeamr::wantsGeometry(actor))
   {
     this->MakePicture(view, actors, hasAll);
   }
-  internals.Framebuffer.DrawSurface(renderer, actor, this, view.picture);
+  internals.Painter.Draw(renderer, actor, this, view.picture);
 }
 
 //------------------------------------------------------------------------------
@@ -655,64 +544,15 @@ void vtkTreeAMRIsosurfaceMapper::Select(treeamr::SurfaceActorView& view)
   {
     return; // there are none; those behind are hidden by the depths that the selector draws first
   }
-  struct PropRender
-  {
-    vtkHardwareSelector* Selector;
-    explicit PropRender(vtkHardwareSelector* s)
-      : Selector(s)
-    {
-      this->Selector->BeginRenderProp();
-    }
-    ~PropRender() { this->Selector->EndRenderProp(); }
-  };
-  const PropRender propRender(selector);
-  // Decides whether there is a pass of the high bits; global indices may have gaps.
+  const treeamr::SelectedProp selected(selector);
   vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
   vtkDataArray* array = grid->GetCellData()->GetArray(internals.Contoured.name.c_str());
-  selector->UpdateMaximumCellId(array->GetNumberOfTuples() - 1);
-
-  // Black in the passes of point ids.
-  std::array<float, 3> ofProp{};
-  const int pass = selector->GetCurrentPass();
-  switch (pass)
-  {
-    case vtkHardwareSelector::COMPOSITE_INDEX_PASS:
-      selector->RenderCompositeIndex(this->CompositeIndex);
-      [[fallthrough]];
-    case vtkHardwareSelector::ACTOR_PASS:
-    case vtkHardwareSelector::PROCESS_PASS:
-      selector->GetPropColorValue(ofProp.data());
-      break;
-    default:
-      break;
-  }
-  const bool low = pass == vtkHardwareSelector::CELL_ID_LOW24;
-  const bool high = pass == vtkHardwareSelector::CELL_ID_HIGH24;
-  const auto color = [&](const treeamr::SurfaceHit& hit) {
-    if (!low && !high)
-    {
-      return ofProp;
-    }
-    const vtkIdType id = treeamr::globalIndex(*grid, view.surface.surface()->cell(hit));
-    std::array<float, 3> rgb;
-    vtkHardwareSelector::Convert(low ? id : id >> 24, rgb.data());
-    return rgb;
-  };
-  treeamr::fillHits(view.surface.hits(), view.surface.camera(), color, internals.Image);
+  treeamr::fillSelection(
+    selector, grid, array->GetNumberOfTuples(), this->CompositeIndex, view.surface, internals.Image);
   view.pictureIsOfThisFrame = false;
   view.picture.Upload(
-    vtkTreeAMRFramebuffer::GetWindow(view.renderer), view.surface.reduction(), internals.Image, false);
-  internals.Framebuffer.DrawSurface(view.renderer, view.actor, this, view.picture);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::ReportError(const std::exception& error)
-{
-  const char* const message = treeamr::describe(error);
-  if (this->Private->Errors.isNews(message))
-  {
-    vtkErrorMacro(<< message);
-  }
+    vtkTreeAMRTarget::GetWindow(view.renderer), view.surface.reduction(), internals.Image, false);
+  internals.Painter.Draw(view.renderer, view.actor, this, view.picture);
 }
 
 //------------------------------------------------------------------------------
@@ -726,7 +566,7 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
   }
   catch (const std::exception& error)
   {
-    this->ReportError(error);
+    this->Private->Messages.error(error);
   }
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
@@ -735,7 +575,7 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
 //------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
-  this->Private->Framebuffer.ReleaseGraphicsResources(window);
+  this->Private->Painter.ReleaseGraphicsResources();
   this->Private->DepthPeeling.ReleaseGraphicsResources(window);
   for (const std::unique_ptr<treeamr::SurfaceActorView>& view : this->Private->Views)
   {

@@ -47,10 +47,9 @@
 #include "vtkNew.h"                    // for ContourValues
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 
-#include <exception> // for std::exception
-#include <memory>    // for std::unique_ptr
-#include <string>    // for std::string
-#include <vector>    // for std::vector
+#include <memory> // for std::unique_ptr
+#include <string> // for std::string
+#include <vector> // for std::vector
 
 class vtkContourValues;
 class vtkHyperTreeGrid;
@@ -58,11 +57,7 @@ class vtkHyperTreeGrid;
 namespace treeamr
 {
 class ActorLayers;
-struct ArraySelection;
-class HitColors;
-template <class Made>
-class InputSlot;
-struct Remark;
+class MapperMessages;
 struct SurfaceActorView;
 enum class SurfaceLayers;
 class SurfaceShader;
@@ -203,13 +198,9 @@ private:
   void UpdateSurface(vtkHyperTreeGrid* grid);
   /// False: there is nothing to draw.
   bool UpdateSurface();
-  /// Null, with a warning of values beyond float, for an array that is NaN everywhere.
-  template <class Made>
-  std::shared_ptr<const Made> AcquireColors(
-    treeamr::InputSlot<Made>& slot, vtkHyperTreeGrid* grid, const treeamr::ArraySelection& selection);
-  treeamr::HitColors MapColors(treeamr::SurfaceActorView& view, vtkHyperTreeGrid* grid);
+  treeamr::MapperMessages& GetMessages();
+  /// With the pose and the plan of this frame.
   treeamr::SurfaceActorView& FindView(vtkRenderer* renderer, vtkActor* actor, treeamr::SurfaceLayers layers);
-  double ChooseSampleDistance(treeamr::SurfaceActorView& view);
   void UpdateHits(treeamr::SurfaceActorView& view, double distance);
   treeamr::SurfaceShader Light(treeamr::SurfaceActorView& view);
   void RecordFrame(treeamr::SurfaceActorView& view, double shadingSeconds);
@@ -217,8 +208,6 @@ private:
   void MakePicture(treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll);
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
   void Select(treeamr::SurfaceActorView& view);
-  void Warn(const treeamr::Remark& remark);
-  void ReportError(const std::exception& error);
 
   std::unique_ptr<Internals> Private;
 

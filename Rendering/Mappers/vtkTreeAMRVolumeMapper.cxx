@@ -1,14 +1,18 @@
 #include "vtkTreeAMRVolumeMapper.h"
 
+#include "FramePlan.h"
 #include "MapperInput.h"
-#include "OnceReporter.h"
+#include "MapperMessages.h"
 #include "SceneConversion.h"
 #include "SurfaceShading.h"
 #include "TranslucentScene.h"
 #include "UnsupportedSettings.h"
 #include "VolumeSurfaces.h"
 #include "vtkTreeAMRDepthPeeling.h"
-#include "vtkTreeAMRFramebuffer.h"
+#include "vtkTreeAMRDepthReader.h"
+#include "vtkTreeAMRImagePainter.h"
+#include "vtkTreeAMRIsosurfaceMapper.h"
+#include "vtkTreeAMRTarget.h"
 
 #include "Error.h"
 #include "Interpolation/BlockCache.h"
@@ -18,7 +22,6 @@
 #include "vtkCommand.h"
 #include "vtkContourValues.h"
 #include "vtkDoubleArray.h"
-#include "vtkExecutive.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkNew.h"
@@ -105,13 +108,17 @@ void addColumn(vtkTable* table, const char* name, double value)
 //------------------------------------------------------------------------------
 struct vtkTreeAMRVolumeMapper::Internals
 {
-  vtkTreeAMRFramebuffer Framebuffer;
+  explicit Internals(vtkTreeAMRVolumeMapper* self)
+    : Messages(self)
+  {
+  }
+
+  vtkTreeAMRImagePainter Painter;
   vtkTreeAMRDepthPeeling DepthPeeling;
   treeamr::FieldSlot FieldSlot;
   treeamr::CategorySlot CategorySlot;
   treeamr::BoundsSlot BoundsSlot;
-  treeamr::OnceReporter Messages; // of a call of Render()
-  treeamr::SettingWarnings Warnings;
+  treeamr::MapperMessages Messages; // of a call of Render()
 
   std::shared_ptr<const treeamr::Field> Field;           // that rays see
   std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
@@ -155,7 +162,7 @@ struct vtkTreeAMRVolumeMapper::Picture
 //------------------------------------------------------------------------------
 vtkTreeAMRVolumeMapper::vtkTreeAMRVolumeMapper()
   : VertexCacheSize(static_cast<int>(treeamr::defaultKeptBytes >> 20))
-  , Private(std::make_unique<Internals>())
+  , Private(std::make_unique<Internals>(this))
 {
 }
 
@@ -181,6 +188,9 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "TargetError: " << this->TargetError << endl;
   os << indent << "ShowIsosurfaces: " << this->ShowIsosurfaces << endl;
   os << indent << "IsosurfaceOpacityScale: " << this->IsosurfaceOpacityScale << endl;
+  os << indent << "AmbientOcclusionSamples: " << this->AmbientOcclusionSamples << endl;
+  os << indent << "AmbientOcclusionRadius: " << this->AmbientOcclusionRadius << endl;
+  os << indent << "Shadows: " << this->Shadows << endl;
   os << indent << "Statistics:" << endl;
   vtkTable* statistics = this->GetStatistics();
   for (vtkIdType i = 0; i < statistics->GetNumberOfColumns(); ++i)
@@ -206,9 +216,7 @@ void vtkTreeAMRVolumeMapper::SetInputData(vtkHyperTreeGrid* grid)
 //------------------------------------------------------------------------------
 vtkHyperTreeGrid* vtkTreeAMRVolumeMapper::GetHyperTreeGrid()
 {
-  return this->GetNumberOfInputConnections(0) < 1
-    ? nullptr
-    : vtkHyperTreeGrid::SafeDownCast(this->GetExecutive()->GetInputData(0, 0));
+  return treeamr::inputGrid(this);
 }
 
 //------------------------------------------------------------------------------
@@ -236,8 +244,7 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
   }
   if (vtkTreeAMRVolumeMapper* other = vtkTreeAMRVolumeMapper::SafeDownCast(mapper))
   {
-    this->SetInputConnection(
-      other->GetNumberOfInputConnections(0) > 0 ? other->GetInputConnection(0, 0) : nullptr);
+    treeamr::shareInput(this, other);
     this->SetVectorMode(other->VectorMode);
     this->SetVectorComponent(other->VectorComponent);
     this->SetSamplesPerCell(other->SamplesPerCell);
@@ -253,6 +260,9 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetTargetError(other->TargetError);
     this->SetShowIsosurfaces(other->ShowIsosurfaces);
     this->SetIsosurfaceOpacityScale(other->IsosurfaceOpacityScale);
+    this->SetAmbientOcclusionSamples(other->AmbientOcclusionSamples);
+    this->SetAmbientOcclusionRadius(other->AmbientOcclusionRadius);
+    this->SetShadows(other->Shadows);
   }
 }
 
@@ -335,7 +345,8 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
          std::pair("maximum image sample distance", this->MaximumImageSampleDistance),
          std::pair("interactive render time", this->InteractiveRenderTime),
          std::pair("level of detail", this->LevelOfDetail), std::pair("target error", this->TargetError),
-         std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale) })
+         std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale),
+         std::pair("ambient occlusion radius", this->AmbientOcclusionRadius) })
   {
     if (std::isnan(value)) // passes VTK's clamping
     {
@@ -348,8 +359,7 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
 void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 {
   const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
-  this->Private->Warnings.add(treeamr::unsupportedSettings(volume, this, hasSurfaces),
-    [this](const std::string& message) { vtkWarningMacro(<< message); });
+  this->Private->Messages.unsupported(treeamr::unsupportedSettings(volume, this, hasSurfaces));
 }
 
 //------------------------------------------------------------------------------
@@ -386,11 +396,7 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
     internals.Categories.reset();
   }
   field->nodeRanges(); // made now, they do not count as a frame's time
-  const treeamr::Remark& remark = internals.FieldSlot.remark();
-  if (!remark.text.empty() && internals.Messages.isNews(remark.about))
-  {
-    vtkWarningMacro(<< remark.text);
-  }
+  internals.Messages.warning(internals.FieldSlot.remark());
   if (field != internals.Field)
   {
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
@@ -479,6 +485,13 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
 }
 
 //------------------------------------------------------------------------------
+treeamr::DraftSettings vtkTreeAMRVolumeMapper::GetDraftSettings() const
+{
+  return { this->AutoAdjustSampleDistances, this->ImageSampleDistance, this->MinimumImageSampleDistance,
+    this->MaximumImageSampleDistance, this->InteractiveRenderTime, this->LevelOfDetail };
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
 {
   Internals& internals = *this->Private;
@@ -496,21 +509,11 @@ void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
   frame.Of = { renderer, volume };
   frame.Eye = treeamr::eyeOf(renderer);
   frame.Pixels = pixels;
-  frame.ImageSampleDistance = this->ImageSampleDistance;
-  if (this->AutoAdjustSampleDistances)
-  {
-    treeamr::SampleDistanceControl& control = internals.SampleDistances[frame.Of];
-    frame.ImageSampleDistance = this->MinimumImageSampleDistance;
-    frame.Interactive = treeamr::isInteractive(renderer);
-    if (frame.Interactive)
-    {
-      const double seconds =
-        this->InteractiveRenderTime > 0. ? this->InteractiveRenderTime : volume->GetAllocatedRenderTime();
-      frame.ImageSampleDistance =
-        control.choose(seconds / pixels, this->MinimumImageSampleDistance, this->MaximumImageSampleDistance);
-      frame.LevelOfDetail = internals.Categories ? 0. : this->LevelOfDetail;
-    }
-  }
+  const treeamr::FramePlan plan = treeamr::planFrame(
+    renderer, volume, pixels, this->GetDraftSettings(), internals.SampleDistances[frame.Of]);
+  frame.Interactive = plan.isDraft;
+  frame.ImageSampleDistance = plan.sampleDistance;
+  frame.LevelOfDetail = internals.Categories ? 0. : plan.levelOfDetail;
   frame.SamplesPerCell = this->SamplesPerCell;
   if (!frame.Interactive && (this->EstimateError || this->TargetError > 0.))
   {
@@ -588,7 +591,7 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
   }
   catch (const std::exception& error)
   {
-    this->ReportError(error);
+    this->Private->Messages.error(error);
     return false;
   }
 }
@@ -610,15 +613,27 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
     pose.height = picture.Viewport.Height;
     pose.layers = treeamr::SurfaceLayers::All;
     pose.cut = picture.Cut;
-    const treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
+    treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
     treeamr::SurfaceAppearance appearance;
     appearance.opaque = false;
     appearance.lights = treeamr::convertLights(picture.Renderer);
     appearance.surfaces = treeamr::convertSurfaceMaterials(picture.Volume->GetProperty(),
       own.engine()->isovalues(), this->IsosurfaceOpacityScale, appearance.lights);
-    static const treeamr::SurfaceVisibility everywhere;
+    treeamr::SecondaryRays wanted;
+    if (picture.Volume->GetProperty()->GetShade(0) && !appearance.lights.empty())
+    {
+      wanted.occlusionSamples = this->AmbientOcclusionSamples;
+      wanted.occlusionRadius =
+        this->AmbientOcclusionRadius * view.diagonalOf(internals.Field->octree().grid());
+      wanted.shadows = this->Shadows;
+      if (treeamr::isInteractive(picture.Renderer))
+      {
+        wanted.mostNewSamples = vtkTreeAMRIsosurfaceMapper::InteractiveSamples;
+      }
+    }
+    const treeamr::SurfaceVisibility& visibility = view.updateVisibility(wanted, appearance.lights);
     picture.Shaders->emplace_back(
-      view.hits(), view.camera(), std::move(appearance), everywhere, treeamr::HitColors());
+      view.hits(), view.camera(), std::move(appearance), visibility, treeamr::HitColors());
   }
   const std::vector<treeamr::SurfaceShader>& ofActors = picture.Actors.trace(frame.ImageSampleDistance);
   picture.Shaders->insert(picture.Shaders->end(), ofActors.begin(), ofActors.end());
@@ -661,7 +676,7 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     catch (const std::exception& error)
     {
-      this->ReportError(error);
+      this->Private->Messages.error(error);
     }
   }
   // A volume that fails does not take the actors' surfaces with it.
@@ -726,12 +741,12 @@ void vtkTreeAMRVolumeMapper::DrawOver(Picture& picture)
   vtkTreeAMRRaySegments segments;
   {
     const Stopwatch stopwatch(frame.CompositingSeconds);
-    internals.Framebuffer.ReadDepth(picture.Renderer, picture.Viewport, segments.End);
+    vtkTreeAMRDepthReader::Read(picture.Renderer, picture.Viewport, segments.End);
     segments.Simplify();
   }
   const vtkTreeAMRRayImage image = this->Trace(picture, segments);
   const Stopwatch stopwatch(frame.CompositingSeconds);
-  internals.Framebuffer.DrawOver(picture.Renderer, image);
+  internals.Painter.DrawOver(picture.Renderer, image);
 }
 
 //------------------------------------------------------------------------------
@@ -748,7 +763,7 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   {
     scene.surfaces.clear();
   }
-  Picture picture{ renderer, volume, vtkTreeAMRFramebuffer::GetViewport(renderer), isWhole, isPeeling,
+  Picture picture{ renderer, volume, vtkTreeAMRTarget::GetViewport(renderer), isWhole, isPeeling,
     this->PrepareVolume(renderer, volume),
     { treeamr::convertClippingPlanes(this, volume), treeamr::convertCropping(this) },
     { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
@@ -757,16 +772,6 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
     isPeeling ? this->DrawPeeled(picture) : this->DrawOver(picture);
   }
   return true;
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::ReportError(const std::exception& error)
-{
-  const char* const message = treeamr::describe(error);
-  if (this->Private->Messages.isNews(message))
-  {
-    vtkErrorMacro(<< message);
-  }
 }
 
 //------------------------------------------------------------------------------
@@ -787,11 +792,12 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
   }
   catch (const std::exception& error)
   {
-    this->ReportError(error);
+    this->Private->Messages.error(error);
   }
   if (isRound)
   {
-    this->Private->Messages.endRound();
+    this->Private->Messages.endErrors();
+    this->Private->Messages.endWarnings();
   }
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
@@ -801,6 +807,6 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
-  this->Private->Framebuffer.ReleaseGraphicsResources(window);
+  this->Private->Painter.ReleaseGraphicsResources(window);
   this->Private->DepthPeeling.ReleaseGraphicsResources(window);
 }

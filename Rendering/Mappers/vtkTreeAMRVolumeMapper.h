@@ -38,8 +38,7 @@
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 #include "vtkVolumeMapper.h"
 
-#include <exception> // for std::exception
-#include <memory>    // for std::unique_ptr
+#include <memory> // for std::unique_ptr
 
 class vtkHyperTreeGrid;
 class vtkTable;
@@ -49,6 +48,7 @@ namespace treeamr
 {
 struct ArraySelection;
 class Camera;
+struct DraftSettings;
 struct Image;
 struct RayStops;
 } // namespace treeamr
@@ -175,6 +175,17 @@ public:
   vtkSetClampMacro(IsosurfaceOpacityScale, double, 0., VTK_DOUBLE_MAX);
   vtkGetMacro(IsosurfaceOpacityScale, double);
   ///@}
+  ///@{
+  /// Of the isosurfaces, where the property is shaded and there is light: what vtkTreeAMRIsosurfaceMapper has by these
+  /// names, with its defaults and limits. The volume neither darkens nor is darkened.
+  vtkSetClampMacro(AmbientOcclusionSamples, int, 0, 65535);
+  vtkGetMacro(AmbientOcclusionSamples, int);
+  vtkSetClampMacro(AmbientOcclusionRadius, double, 0., VTK_DOUBLE_MAX);
+  vtkGetMacro(AmbientOcclusionRadius, double);
+  vtkSetMacro(Shadows, bool);
+  vtkGetMacro(Shadows, bool);
+  vtkBooleanMacro(Shadows, bool);
+  ///@}
 
   /// What there is, and what the last frame did: one row with these columns. Counts and bytes are 64-bit
   /// integers, the rest doubles; all are 0 before the first Render().
@@ -235,6 +246,9 @@ protected:
   double TargetError = 0.;
   bool ShowIsosurfaces = false;
   double IsosurfaceOpacityScale = 1.;
+  int AmbientOcclusionSamples = 0;
+  double AmbientOcclusionRadius = 0.05;
+  bool Shadows = false;
 
 private:
   struct Internals;
@@ -250,6 +264,7 @@ private:
   void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);
   /// False: it failed, and has been reported.
   bool PrepareVolume(vtkRenderer* renderer, vtkVolume* volume);
+  treeamr::DraftSettings GetDraftSettings() const;
   void StartFrame(const Picture& picture);
   void TraceSurfaces(Picture& picture);
   void CastRays(
@@ -260,7 +275,6 @@ private:
   void DrawOver(Picture& picture);
   /// False: there was nothing left to draw.
   bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
-  void ReportError(const std::exception& error);
 
   std::unique_ptr<Internals> Private;
 

@@ -1,11 +1,10 @@
 #include "vtkTreeAMRDepthPeeling.h"
 
-#include "vtkTreeAMRFramebuffer.h"
+#include "RenderPasses.h"
+#include "vtkTreeAMRTarget.h"
 
 #include "Error.h"
 
-#include "vtkInformation.h"
-#include "vtkInformationObjectBaseVectorKey.h"
 #include "vtkOpenGLError.h" // brings the GL loader of this VTK: glew up to 9.3, glad from 9.4
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -107,7 +106,7 @@ std::vector<float> readDepths(vtkShaderProgram* program, const char* sampler, in
   const GLint unit = getTextureUnit(program, sampler);
   std::vector<float> values(2 * static_cast<std::size_t>(width) * height);
 
-  vtkTreeAMRFramebuffer::DiscardErrors();
+  vtkTreeAMRTarget::DiscardErrors();
   GLint activeTexture = GL_TEXTURE0;
   GLint packAlignment = 4;
   GLint packBuffer = 0;
@@ -156,20 +155,7 @@ vtkTreeAMRDepthPeeling::vtkTreeAMRDepthPeeling()
 //------------------------------------------------------------------------------
 vtkOpenGLRenderPass* vtkTreeAMRDepthPeeling::FindPass(vtkProp* volume)
 {
-  vtkInformation* keys = volume->GetPropertyKeys();
-  if (keys && keys->Has(vtkOpenGLRenderPass::RenderPasses()))
-  {
-    const int count = keys->Length(vtkOpenGLRenderPass::RenderPasses());
-    for (int i = 0; i < count; ++i)
-    {
-      vtkObjectBase* pass = keys->Get(vtkOpenGLRenderPass::RenderPasses(), i);
-      if (pass->IsA("vtkDualDepthPeelingPass"))
-      {
-        return vtkOpenGLRenderPass::SafeDownCast(pass);
-      }
-    }
-  }
-  return nullptr;
+  return treeamr::findRenderPass(volume, "vtkDualDepthPeelingPass");
 }
 
 //------------------------------------------------------------------------------
@@ -218,7 +204,7 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
     throw treeamr::Error("depth peeling: the volume is in no vtkDualDepthPeelingPass");
   }
   this->CurrentStage = FindStage(pass, mapper, volume);
-  vtkShaderProgram* program = this->ProbeQuad.Use(vtkTreeAMRFramebuffer::GetWindow(renderer));
+  vtkShaderProgram* program = this->ProbeQuad.Use(vtkTreeAMRTarget::GetWindow(renderer));
   pass->SetShaderParameters(program, mapper, volume, this->ProbeQuad.GetVertexArray());
 
   const std::size_t pixels = static_cast<std::size_t>(width) * height;
@@ -299,7 +285,7 @@ bool vtkTreeAMRDepthPeeling::ReadOpaqueDepth(vtkRenderer* renderer, vtkAbstractM
   {
     return false;
   }
-  vtkShaderProgram* program = this->OpaqueQuad.Use(vtkTreeAMRFramebuffer::GetWindow(renderer));
+  vtkShaderProgram* program = this->OpaqueQuad.Use(vtkTreeAMRTarget::GetWindow(renderer));
   pass->SetShaderParameters(program, mapper, surface, this->OpaqueQuad.GetVertexArray());
   const std::vector<float> pairs = readDepths(program, "opaqueDepth", width, height);
   depth.resize(pairs.size() / 2);
@@ -329,7 +315,7 @@ const char* vtkTreeAMRDepthPeeling::StageShader() const
 void vtkTreeAMRDepthPeeling::Draw(
   vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back)
 {
-  vtkOpenGLRenderWindow* window = vtkTreeAMRFramebuffer::GetWindow(renderer);
+  vtkOpenGLRenderWindow* window = vtkTreeAMRTarget::GetWindow(renderer);
   const bool hasFront = this->CurrentStage != Stage::Remainder;
   std::string shader = this->StageShader();
   this->Back.Upload(window, back);

@@ -251,7 +251,9 @@ TEST_F(MapperErrorsTest, settingsThatAreNoNumbers)
          std::pair<const char*, Setter>("the level of detail", &vtkTreeAMRVolumeMapper::SetLevelOfDetail),
          std::pair<const char*, Setter>("the target error", &vtkTreeAMRVolumeMapper::SetTargetError),
          std::pair<const char*, Setter>(
-           "the isosurface opacity scale", &vtkTreeAMRVolumeMapper::SetIsosurfaceOpacityScale) })
+           "the isosurface opacity scale", &vtkTreeAMRVolumeMapper::SetIsosurfaceOpacityScale),
+         std::pair<const char*, Setter>(
+           "the ambient occlusion radius", &vtkTreeAMRVolumeMapper::SetAmbientOcclusionRadius) })
   {
     expectVolumeError(
       { name, "not a number" }, [&] { (volumeMapper_->*set)(nan); }, [&] { (volumeMapper_->*set)(1.); });

@@ -83,6 +83,9 @@ TEST_F(MapperSettingsTest, shallowCopies)
   volumeMapper_->SetTargetError(0.01);
   volumeMapper_->ShowIsosurfacesOn();
   volumeMapper_->SetIsosurfaceOpacityScale(0.7);
+  volumeMapper_->SetAmbientOcclusionSamples(7);
+  volumeMapper_->SetAmbientOcclusionRadius(0.3);
+  volumeMapper_->ShadowsOn();
   volumeMapper_->SetBlendModeToIsoSurface();
   volumeMapper_->CroppingOn();
   volumeMapper_->SetCroppingRegionPlanes(1., 2., 3., 4., 5., 6.);

@@ -392,3 +392,61 @@ TEST_F(VolumeIsosurfacesShadingTest, litLikeAnActor)
     ASSERT_NEAR(pixel[0], pixel[3] > 0.f ? orange[0] : 0., 1e-5);
   }
 }
+
+// Two bowls in each other, of which the upper one stands in the light of the lower one.
+TEST_F(VolumeIsosurfacesShadingTest, occludedAndInShadowLikeAnActor)
+{
+  GridOptions options;
+  options.roots = { 8, 8, 8 };
+  const vtkSmartPointer<vtkHyperTreeGrid> bowls = makeGrid(
+    options, { { "bowl", [](const Point& p) { return p[1] - 0.4 * (p[0] * p[0] + p[2] * p[2]); } } });
+  std::vector<std::array<float, 4>> pictures[2][2];
+  for (const bool ofVolume : { false, true })
+  {
+    Scene scene;
+    scene.useFloatTarget();
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToSceneLight();
+    light->SetPosition(1., 6., 2.);
+    scene.renderer->AddLight(light);
+    vtkActor* actor = ofVolume ? nullptr : scene.addIsosurface(bowls, "bowl", -0.3);
+    vtkVolume* volume = ofVolume ? scene.addVolume(bowls, "bowl", orange, 100.) : nullptr;
+    const auto set = [](auto* mapper) {
+      mapper->SetAmbientOcclusionSamples(8);
+      mapper->SetAmbientOcclusionRadius(0.2);
+      mapper->ShadowsOn();
+    };
+    if (ofVolume)
+    {
+      Scene::mapperOf(volume)->SetBlendModeToIsoSurface();
+      Scene::mapperOf(volume)->SetIsosurfaceOpacityScale(0.5);
+      volume->GetProperty()->ShadeOn();
+      volume->GetProperty()->SetAmbient(0.);
+      volume->GetProperty()->SetDiffuse(1.);
+      volume->GetProperty()->SetSpecular(0.);
+      volume->GetProperty()->GetIsoSurfaceValues()->SetValue(0, -0.3);
+      volume->GetProperty()->GetIsoSurfaceValues()->SetValue(1, 0.1);
+    }
+    else
+    {
+      actor->GetProperty()->SetColor(orange[0], orange[1], orange[2]);
+      actor->GetProperty()->SetOpacity(0.5); // opaque, it would have the nearest points alone share their rays
+      Scene::mapperOf(actor)->SetValue(1, 0.1);
+    }
+    scene.setCamera();
+    pictures[ofVolume][0] = scene.render();
+    ofVolume ? set(Scene::mapperOf(volume)) : set(Scene::mapperOf(actor));
+    pictures[ofVolume][1] = scene.render();
+  }
+  int darkened = 0;
+  for (std::size_t i = 0; i < pictures[0][0].size(); ++i)
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      ASSERT_NEAR(pictures[1][0][i][c], pictures[0][0][i][c], 1e-5) << i;
+      ASSERT_NEAR(pictures[1][1][i][c], pictures[0][1][i][c], 1e-5) << i;
+    }
+    darkened += pictures[1][1][i][0] < pictures[1][0][i][0] - 0.02f;
+  }
+  EXPECT_GT(darkened, 50);
+}
