@@ -54,6 +54,35 @@ class TestVolume(scene.TestCase):
             expected = 255 * (1 - 0.5 ** (4 / unit))
             self.assertLess(numpy.abs(centre - expected).max(), 1.5)
 
+    def test_cropping(self):
+        """As ParaView's Volume has it: the data's bounds, here 0 to 4, scaled and then moved."""
+        self.show(opacity=0.9)
+        simple.ResetCamera(self.view)
+        camera = self.view.GetActiveCamera()
+        camera.SetPosition(2, 2, 20)
+        camera.SetFocalPoint(2, 2, 2)
+        camera.SetViewUp(0, 1, 0)
+        self.view.CameraParallelProjection = 1
+        self.view.CameraParallelScale = 3
+        self.assertEqual(0, self.representation.UseCropping)
+        # Whose bounds the box in the window starts from.
+        self.assertEqual(1, self.representation.SMProxy.GetProperty("DummyInput").GetNumberOfProxies())
+        whole = self.picture("not-cropped")
+        self.representation.CroppingOrigin = [1, 0.5, 0]
+        self.representation.CroppingScale = [0.5, 0.25, 2]
+        self.assertTrue(scene.close((self.picture("cropping-off"), whole)))
+        self.representation.UseCropping = 1
+        drawn = scene.drawn(self.picture("cropped"))
+        rows, columns = drawn.shape
+        pixel = 6 / rows
+        where = numpy.argwhere(drawn)
+        low, high = where.min(axis=0), where.max(axis=0) + 1
+        expected = numpy.array([[0.5, 1], [1.5, 3]])  # y, x of the corners
+        for found, corner in zip((low, high), expected):
+            place = 2 + (found - [rows / 2, columns / 2]) * pixel
+            self.assertLess(numpy.abs(place - corner).max(), 1.5 * pixel)
+        self.assertTrue(drawn[low[0]:high[0], low[1]:high[1]].all())
+
     def test_transparent(self):
         self.show(opacity=0)
         self.assertFalse(scene.drawn(self.picture("transparent")).any())
