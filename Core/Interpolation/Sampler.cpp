@@ -1,7 +1,11 @@
 #include "Interpolation/Sampler.h"
 
 #include "Geometry/Trilinear.h"
+#include "Interpolation/LeafFinder.h"
+#include "Interpolation/PointSampler.h"
 #include "Interpolation/VertexValues.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <cmath>
 
@@ -12,57 +16,22 @@ namespace
 {
 
 /// Where in a leaf a point is: 0 to 1 per axis.
-using Local = std::array<double, 3>;
+using Local = Vec3;
 
-/// Goes from the root to the leaf that covers a point given in units of the padded root, in [0, 1]. On planes
-/// between cells the upper cell is taken, or the lower one along the axes in `lower`.
-bool descendTo(TreePath& path, std::array<double, 3> p, unsigned lower, Local& local) noexcept
+/// Goes to the leaf that holds a point, if there is one.
+bool locate(TreePath& path, const Vec3& pWorld, Local& local) noexcept
 {
-  while (path.node().isInner())
+  LeafFinder::Leaf leaf;
+  if (!LeafFinder(path.octree()).find(pWorld, leaf))
   {
-    int octant = 0;
-    for (int a = 0; a < 3; ++a)
-    {
-      p[a] *= 2.;
-      const bool upper = lower >> a & 1 ? p[a] > 1. : p[a] >= 1.;
-      octant |= upper << a;
-      p[a] -= upper;
-    }
-    path.descend(octant);
+    return false;
   }
-  local = p;
-  return path.node().isLeaf();
-}
-
-/// Finds the leaf whose closed box holds the point. At most 8 tries, and more than one only where a point
-/// lies on a plane of the finest lattice, as its first leaf may be missing.
-bool locate(TreePath& path, const RootGrid& grid, const std::array<double, 3>& pWorld, Local& local) noexcept
-{
-  std::array<double, 3> p;
-  unsigned onPlane = 0;
-  for (int a = 0; a < 3; ++a)
+  for (int up = leaf.depth - 1; up >= 0; --up)
   {
-    const double root = grid.latticeCoordinate(a, pWorld[a]);
-    if (!(root >= 0.))
-    {
-      return false;
-    }
-    const double finest = std::ldexp(root, path.octree().leafLevels());
-    onPlane |= static_cast<unsigned>(finest == std::floor(finest)) << a;
-    p[a] = std::ldexp(root, -grid.paddingDepth());
+    path.descend(octantAbove(leaf.index, up));
   }
-  for (unsigned lower = 0; lower < 8; ++lower)
-  {
-    if ((lower & ~onPlane) == 0)
-    {
-      path.reset();
-      if (descendTo(path, p, lower, local))
-      {
-        return true;
-      }
-    }
-  }
-  return false;
+  local = leaf.place;
+  return true;
 }
 
 /// Scales a derivative per cell width to one per world coordinate.
@@ -80,10 +49,9 @@ void sampleNearest(const TreePath& path, const Field& field, const Local&, Field
   out = { field.value(path.node()), {} };
 }
 
-template <VertexRule Rule>
 void sampleOctant(const TreePath& path, const Field& field, const Local& local, FieldSample& out) noexcept
 {
-  const VertexValues v = vertexValues<Rule>(path, field);
+  const VertexValues v = vertexValues<VertexRule::Octant>(path, field);
   int base = 0;
   std::array<double, 3> f;
   for (int a = 0; a < 3; ++a)
@@ -172,7 +140,7 @@ public:
   {
     TreePath path(field_->octree());
     Local local;
-    if (!locate(path, field_->octree().grid(), pWorld, local))
+    if (!locate(path, pWorld, local))
     {
       return false;
     }
@@ -183,6 +151,24 @@ public:
 
 private:
   std::shared_ptr<const Field> field_;
+};
+
+class GTISampler : public Sampler
+{
+public:
+  explicit GTISampler(std::shared_ptr<const Field> field)
+    : field_(std::move(field))
+    , ofThreads_([this] { return PointSampler(*field_); })
+  {
+  }
+  bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const override
+  {
+    return ofThreads_.local().sample(pWorld, sample);
+  }
+
+private:
+  std::shared_ptr<const Field> field_;
+  mutable tbb::enumerable_thread_specific<PointSampler> ofThreads_;
 };
 
 } // namespace
@@ -199,22 +185,21 @@ std::unique_ptr<Sampler> Sampler::create(InterpolationMethod method, std::shared
     case InterpolationMethod::Finest:
       return std::make_unique<SamplerOf<sampleFinest>>(std::move(field));
     case InterpolationMethod::Octant:
-      return std::make_unique<SamplerOf<sampleOctant<VertexRule::Octant>>>(std::move(field));
+      return std::make_unique<SamplerOf<sampleOctant>>(std::move(field));
     case InterpolationMethod::GTI:
       break;
   }
-  return std::make_unique<SamplerOf<sampleOctant<VertexRule::GTI>>>(std::move(field));
+  return std::make_unique<GTISampler>(std::move(field));
 }
 
 bool findCell(const Octree& octree, const std::array<double, 3>& pWorld, CellId& cell)
 {
-  TreePath path(octree);
-  Local unused;
-  if (!locate(path, octree.grid(), pWorld, unused))
+  LeafFinder::Leaf leaf;
+  if (!LeafFinder(octree).find(pWorld, leaf))
   {
     return false;
   }
-  cell = { path.index(), path.depth() - octree.grid().paddingDepth() };
+  cell = { leaf.index, leaf.depth - octree.grid().paddingDepth() };
   return true;
 }
 

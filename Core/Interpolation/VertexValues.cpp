@@ -239,46 +239,120 @@ VertexValues uniformValues(std::array<double, 27> v) noexcept
   return values;
 }
 
+/// The cells around a leaf, and its vertices from them.
+template <VertexRule Rule>
+class LeafVertices
+{
+public:
+  /// entries: mask of those of the neighbourhood that the vertices to be asked for touch.
+  LeafVertices(const TreePath& path, const Field& field, VertexMemo& memo, std::uint32_t entries) noexcept
+    : around_(path.around(path.depth()))
+    , depth_(path.depth())
+    , evaluator_(path, field, memo)
+    , entries_(entries)
+  {
+    for (; entries != 0; entries &= entries - 1)
+    {
+      const int e = std::countr_zero(entries);
+      const NodeRef node = around_[e];
+      cells_[e] = node.isLeaf() ? field.value(node) : 0.;
+      sameLevel_ |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() == depth_) << e;
+      coarser_ |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() < depth_) << e;
+    }
+  }
+
+  /// Whether all of the cells are leaves of the leaf's level.
+  bool isUniform() const noexcept { return sameLevel_ == entries_; }
+  const std::array<double, 27>& cells() const noexcept { return cells_; }
+
+  float operator()(int vertex) const noexcept
+  {
+    const VertexSlots& slots = vertexSlots[vertex];
+    if ((slots.entries & ~sameLevel_) != 0)
+    {
+      return static_cast<float>((slots.entries & coarser_) != 0 ? evaluator_.value(depth_, vertex)
+                                                                : evaluator_.onLattice(around_, slots));
+    }
+    double sum = 0.;
+    for (int s = 0; s < 1 << slots.dimensions; ++s)
+    {
+      sum += cells_[slots.slot[s].entry];
+    }
+    return static_cast<float>(sum / (1 << slots.dimensions));
+  }
+
+private:
+  const Neighbourhood& around_;
+  int depth_;
+  Evaluator<Rule> evaluator_;
+  std::uint32_t entries_;
+  std::array<double, 27> cells_;
+  std::uint32_t sameLevel_ = 0; // mask of leaves of this level
+  std::uint32_t coarser_ = 0;   // and of coarser ones
+};
+
+/// The cells around one octant: 2 x 2 x 2 of the neighbourhood, as mask of entries by the octant.
+constexpr std::array<std::uint32_t, 8> entriesOfOctant = [] {
+  std::array<std::uint32_t, 8> masks{};
+  for (int octant = 0; octant < 8; ++octant)
+  {
+    for (int c = 0; c < 8; ++c)
+    {
+      masks[octant] |= 1u << (cornerOffset(octant, leafVertexStride) + cornerOffset(c, leafVertexStride));
+    }
+  }
+  return masks;
+}();
+
 } // namespace
 
 template <VertexRule Rule>
 VertexValues vertexValues(const TreePath& path, const Field& field, VertexMemo& memo) noexcept
 {
-  const int depth = path.depth();
-  const Neighbourhood& around = path.around(depth);
-  std::array<double, 27> cells;
-  std::uint32_t sameLevel = 0; // mask of leaves of this level
-  std::uint32_t coarser = 0;   // and of coarser ones
-  for (int e = 0; e < 27; ++e)
+  const LeafVertices<Rule> vertices(path, field, memo, (1u << 27) - 1);
+  if (vertices.isUniform())
   {
-    const NodeRef node = around[e];
-    cells[e] = node.isLeaf() ? field.value(node) : 0.;
-    sameLevel |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() == depth) << e;
-    coarser |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() < depth) << e;
+    return uniformValues(vertices.cells());
   }
-  if (sameLevel == (1u << 27) - 1)
-  {
-    return uniformValues(cells);
-  }
-  const Evaluator<Rule> evaluator(path, field, memo);
   VertexValues values;
   for (int v = 0; v < 27; ++v)
   {
-    const VertexSlots& slots = vertexSlots[v];
-    if ((slots.entries & ~sameLevel) != 0)
-    {
-      values[v] = static_cast<float>(
-        (slots.entries & coarser) != 0 ? evaluator.value(depth, v) : evaluator.onLattice(around, slots));
-      continue;
-    }
-    double sum = 0.;
-    for (int s = 0; s < 1 << slots.dimensions; ++s)
-    {
-      sum += cells[slots.slot[s].entry];
-    }
-    values[v] = static_cast<float>(sum / (1 << slots.dimensions));
+    values[v] = vertices(v);
   }
   return values;
+}
+
+Corners octantCorners(const TreePath& path, const Field& field, VertexMemo& memo, int octant) noexcept
+{
+  // Entries of the neighbourhood and vertices of the leaf count alike.
+  const int first = cornerOffset(octant, leafVertexStride);
+  const LeafVertices<VertexRule::GTI> vertices(path, field, memo, entriesOfOctant[octant]);
+  if (!vertices.isUniform())
+  {
+    Corners corners;
+    for (int c = 0; c < 8; ++c)
+    {
+      corners[c] = vertices(first + cornerOffset(c, leafVertexStride));
+    }
+    return corners;
+  }
+  // As uniformValues().
+  Corners corners = cornersOf(vertices.cells().data() + first, leafVertexStride);
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int c = 0; c < 8; ++c)
+    {
+      if (sideOf(c, a) == sideOf(octant, a)) // away from the leaf's centre
+      {
+        corners[c] = 0.5 * (corners[c] + corners[c ^ 1 << a]);
+      }
+    }
+  }
+  for (double& corner : corners)
+  {
+    corner = static_cast<float>(corner);
+  }
+  return corners;
 }
 
 template VertexValues vertexValues<VertexRule::GTI>(const TreePath&, const Field&, VertexMemo&) noexcept;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "Field/Field.h"
+#include "Geometry/Trilinear.h"
 #include "Octree/TreePath.h"
 
 #include <array>
@@ -75,6 +76,9 @@ VertexValues vertexValues(const TreePath& path, const Field& field) noexcept
   VertexMemo memo;
   return vertexValues<Rule>(path, field, memo);
 }
+
+/// Of one octant of the leaf by GTI, for a part of the time.
+Corners octantCorners(const TreePath& path, const Field& field, VertexMemo& memo, int octant) noexcept;
 
 /// Hull of the 27 values, and so of the field inside the leaf.
 inline Range hull(const VertexValues& values) noexcept

@@ -1,7 +1,7 @@
 // Measures the ray tracer on the forests <name>.p8est of a folder, whose names Scene.cpp has; CPU seconds are those
 // of the whole process on all threads.
 //
-// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface] [--samples S] [--picture FILE.ppm] [--json FILE]
+// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points] [--samples S] [--picture FILE.ppm] [--json FILE]
 //
 // Volume: memory, seconds, and PSNR against the scalar reference at 64 samples per cell, which is kept beside the
 // forest as <name>.reference. Bytes per cell: allocated, resident after the build without its input, and the
@@ -11,7 +11,9 @@
 // Isosurface: the paper's extraction of active primitives in its three ways, the last of them over more isovalues,
 // and the ray tracer's surface: construction and frames, of which a cold one is the first.
 //
-// Both print what their steps take of the system: CPU seconds, those of them in the system, page faults, and the most
+// Points: nanoseconds a point of the reconstruction, where points are near each other and where they are not.
+//
+// The first two print what their steps take of the system: CPU seconds, those of them in the system, page faults, and the most
 // resident memory.
 //
 // --only procedural-200M: about 200M cells that are on no disk, whether they fit memory.
@@ -20,6 +22,7 @@
 #include "IsosurfaceFigures.h"
 #include "Limit.h"
 #include "Meter.h"
+#include "PointFigures.h"
 #include "ReferenceImage.h"
 #include "Report.h"
 #include "Scene.h"
@@ -53,6 +56,7 @@ struct Options
   std::string only; // empty: all data sets
   bool volume = true;
   bool isosurface = true;
+  bool points = true;
   std::string picture;
   std::string json;
   VolumeSettings settings;
@@ -75,10 +79,11 @@ std::optional<Options> parse(int argc, char* argv[])
     {
       options.only = value;
     }
-    else if (name == "--part" && (value == "volume" || value == "isosurface"))
+    else if (name == "--part" && (value == "volume" || value == "isosurface" || value == "points"))
     {
       options.volume = value == "volume";
       options.isosurface = value == "isosurface";
+      options.points = value == "points";
     }
     else if (name == "--picture")
     {
@@ -311,6 +316,19 @@ void runIsosurface(const Options& options, Report& report, Report& activity, std
   }
 }
 
+void runPoints(const Options& options, Report& report)
+{
+  for (const Scene& scene : makeScenes())
+  {
+    if (options.only.empty() || options.only == scene.name)
+    {
+      Forest forest = readForest(options.folder + "/" + scene.name + ".p8est");
+      const auto field = buildField(forest.roots, std::move(forest.cells));
+      report.add({ scene.name, pointFigures(field, scene.isovalue, makeCamera()) });
+    }
+  }
+}
+
 void run(const Options& options)
 {
   if (options.only == "procedural-200M")
@@ -327,6 +345,7 @@ void run(const Options& options)
   Report volume("volume");
   Report isosurface("isosurface");
   Report activity("isosurface_activity");
+  Report points("points");
   Report system("system");
   std::vector<Row> systemRows; // after the other tables
   if (options.volume)
@@ -337,13 +356,17 @@ void run(const Options& options)
   {
     runIsosurface(options, isosurface, activity, systemRows);
   }
+  if (options.points)
+  {
+    runPoints(options, points);
+  }
   for (Row& row : systemRows)
   {
     system.add(std::move(row));
   }
   if (!options.json.empty())
   {
-    writeJson(options.json, { &volume, &isosurface, &activity, &system });
+    writeJson(options.json, { &volume, &isosurface, &activity, &points, &system });
   }
 }
 
@@ -357,7 +380,7 @@ int main(int argc, char* argv[])
   if (!options)
   {
     std::fprintf(stderr,
-      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface] [--samples S]\n"
+      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points] [--samples S]\n"
       "  [--picture FILE.ppm] [--json FILE]\n"
       "--picture needs --only\n");
     return 2;
