@@ -161,12 +161,6 @@ void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opac
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetScalarOpacityUnitDistance(double distance)
-{
-  this->Property->SetScalarOpacityUnitDistance(distance);
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::SetBlendMode(int mode)
 {
   this->Mapper->SetBlendMode(mode);
@@ -193,12 +187,6 @@ void vtkTreeAMRVolumeRepresentation::SetIsosurfaceValue(int index, double value)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetIsosurfaceOpacityScale(double scale)
-{
-  this->Mapper->SetIsosurfaceOpacityScale(scale);
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::SetShade(bool shade)
 {
   this->Shade = shade;
@@ -217,48 +205,6 @@ void vtkTreeAMRVolumeRepresentation::UpdateShade()
 {
   // The mapper would warn that it shades no volume, which nobody has asked for here.
   this->Property->SetShade(this->Shade && this->HasSurfaces());
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetAmbient(double coefficient)
-{
-  this->Property->SetAmbient(coefficient);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetDiffuse(double coefficient)
-{
-  this->Property->SetDiffuse(coefficient);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetSpecular(double coefficient)
-{
-  this->Property->SetSpecular(coefficient);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetSpecularPower(double power)
-{
-  this->Property->SetSpecularPower(power);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetSamplesPerCell(double samples)
-{
-  this->Mapper->SetSamplesPerCell(samples);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetEstimateError(bool estimate)
-{
-  this->Mapper->SetEstimateError(estimate);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetTargetError(double error)
-{
-  this->Mapper->SetTargetError(error);
 }
 
 //------------------------------------------------------------------------------
@@ -299,46 +245,4 @@ void vtkTreeAMRVolumeRepresentation::SetCroppingScale(double x, double y, double
   this->CroppingScale[0] = x;
   this->CroppingScale[1] = y;
   this->CroppingScale[2] = z;
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetVertexCacheSize(int size)
-{
-  this->Mapper->SetVertexCacheSize(size);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetAutoAdjustSampleDistances(bool adjust)
-{
-  this->Mapper->SetAutoAdjustSampleDistances(adjust);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetImageSampleDistance(double distance)
-{
-  this->Mapper->SetImageSampleDistance(distance);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetMinimumImageSampleDistance(double distance)
-{
-  this->Mapper->SetMinimumImageSampleDistance(distance);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetMaximumImageSampleDistance(double distance)
-{
-  this->Mapper->SetMaximumImageSampleDistance(distance);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetInteractiveRenderTime(double seconds)
-{
-  this->Mapper->SetInteractiveRenderTime(seconds);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetLevelOfDetail(double pixels)
-{
-  this->Mapper->SetLevelOfDetail(pixels);
 }

@@ -11,12 +11,12 @@
 
 #include "vtkNew.h" // for members
 #include "vtkTreeAMRRepresentation.h"
+#include "vtkTreeAMRVolumeMapper.h" // for forwarding
+#include "vtkVolumeProperty.h"      // for forwarding
 
 class vtkColorTransferFunction;
 class vtkPiecewiseFunction;
-class vtkTreeAMRVolumeMapper;
 class vtkVolume;
-class vtkVolumeProperty;
 
 class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRVolumeRepresentation : public vtkTreeAMRRepresentation
 {
@@ -33,7 +33,10 @@ public:
   ///@}
 
   /// The length over which an opacity of the transfer function accumulates.
-  void SetScalarOpacityUnitDistance(double distance);
+  void SetScalarOpacityUnitDistance(double distance)
+  {
+    this->Property->SetScalarOpacityUnitDistance(distance);
+  }
   ///@{
   /// Surfaces of the drawn array's values, alone (vtkVolumeMapper::ISOSURFACE_BLEND) or inside the volume; see
   /// vtkTreeAMRVolumeMapper.
@@ -41,19 +44,22 @@ public:
   void SetShowIsosurfaces(bool show);
   void SetNumberOfIsosurfaces(int number);
   void SetIsosurfaceValue(int index, double value);
-  void SetIsosurfaceOpacityScale(double scale);
+  void SetIsosurfaceOpacityScale(double scale) { this->Mapper->SetIsosurfaceOpacityScale(scale); }
   void SetShade(bool shade);
-  void SetAmbient(double coefficient);
-  void SetDiffuse(double coefficient);
-  void SetSpecular(double coefficient);
-  void SetSpecularPower(double power);
+  void SetAmbientOcclusionSamples(int samples) { this->Mapper->SetAmbientOcclusionSamples(samples); }
+  void SetAmbientOcclusionRadius(double radius) { this->Mapper->SetAmbientOcclusionRadius(radius); }
+  void SetShadows(bool shadows) { this->Mapper->SetShadows(shadows); }
+  void SetAmbient(double coefficient) { this->Property->SetAmbient(coefficient); }
+  void SetDiffuse(double coefficient) { this->Property->SetDiffuse(coefficient); }
+  void SetSpecular(double coefficient) { this->Property->SetSpecular(coefficient); }
+  void SetSpecularPower(double power) { this->Property->SetSpecularPower(power); }
   ///@}
   /// Samples along each cell's width.
-  void SetSamplesPerCell(double samples);
+  void SetSamplesPerCell(double samples) { this->Mapper->SetSamplesPerCell(samples); }
   ///@{
   /// The error of still frames; see vtkTreeAMRVolumeMapper.
-  void SetEstimateError(bool estimate);
-  void SetTargetError(double error);
+  void SetEstimateError(bool estimate) { this->Mapper->SetEstimateError(estimate); }
+  void SetTargetError(double error) { this->Mapper->SetTargetError(error); }
   ///@}
   ///@{
   /// Of the last frame on this process: its error, -1 when it was not estimated, and the seconds it took.
@@ -68,15 +74,21 @@ public:
   void SetCroppingScale(double x, double y, double z);
   ///@}
   /// Memory in MiB for values kept from frame to frame.
-  void SetVertexCacheSize(int size);
+  void SetVertexCacheSize(int size) { this->Mapper->SetVertexCacheSize(size); }
   ///@{
   /// Fewer rays while the camera moves; see vtkTreeAMRVolumeMapper.
-  void SetAutoAdjustSampleDistances(bool adjust);
-  void SetImageSampleDistance(double distance);
-  void SetMinimumImageSampleDistance(double distance);
-  void SetMaximumImageSampleDistance(double distance);
-  void SetInteractiveRenderTime(double seconds);
-  void SetLevelOfDetail(double pixels);
+  void SetAutoAdjustSampleDistances(bool adjust) { this->Mapper->SetAutoAdjustSampleDistances(adjust); }
+  void SetImageSampleDistance(double distance) { this->Mapper->SetImageSampleDistance(distance); }
+  void SetMinimumImageSampleDistance(double distance)
+  {
+    this->Mapper->SetMinimumImageSampleDistance(distance);
+  }
+  void SetMaximumImageSampleDistance(double distance)
+  {
+    this->Mapper->SetMaximumImageSampleDistance(distance);
+  }
+  void SetInteractiveRenderTime(double seconds) { this->Mapper->SetInteractiveRenderTime(seconds); }
+  void SetLevelOfDetail(double pixels) { this->Mapper->SetLevelOfDetail(pixels); }
   ///@}
 
 protected:

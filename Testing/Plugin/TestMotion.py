@@ -39,7 +39,8 @@ class TestMotion(scene.TestCase):
         self.show()
         mapper = vtkTreeAMRVolumeMapper()
         for name in ("AutoAdjustSampleDistances", "ImageSampleDistance", "MinimumImageSampleDistance",
-                     "MaximumImageSampleDistance", "LevelOfDetail", "ShowIsosurfaces", "IsosurfaceOpacityScale"):
+                     "MaximumImageSampleDistance", "LevelOfDetail", "ShowIsosurfaces", "IsosurfaceOpacityScale",
+                     "AmbientOcclusionSamples", "AmbientOcclusionRadius", "Shadows"):
             self.assertEqual(getattr(mapper, "Get" + name)(), getattr(self.representation, name), name)
 
     def test_interactive_and_still_renders(self):

@@ -205,6 +205,23 @@ grid.GetCellData().AddArray(array)
         self.representation.BlendMode = "Composite"
         self.assertTrue(scene.close((volume, self.picture("volume-again"))))
 
+    def test_isosurfaces_are_occluded(self):
+        """As Tree AMR Isosurface's, whose properties they share."""
+        self.show(rgb=(1, 1, 1), opacity=1)
+        self.representation.BlendMode = "Isosurface"
+        self.representation.IsosurfaceValues = [6.5, 7.5]
+        bright = self.picture("open")
+        self.representation.AmbientOcclusionSamples = 32
+        self.representation.AmbientOcclusionRadius = 0.3
+        self.representation.Shadows = 1
+        dark = self.picture("occluded")
+        self.assertTrue((dark <= bright).all())
+        self.assertLess(dark.sum(), 0.97 * bright.sum())
+        self.representation.Shade = 0
+        flat = self.picture("unlit")
+        self.representation.AmbientOcclusionSamples = 0
+        self.assertTrue(scene.close((flat, self.picture("unlit-again"))))
+
     def test_isosurfaces_are_shaded(self):
         self.show(rgb=(1, 1, 1), opacity=1)
         self.representation.BlendMode = "Isosurface"
