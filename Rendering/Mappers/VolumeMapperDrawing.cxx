@@ -1,0 +1,345 @@
+// How a volume mapper draws: the frame's plan, its rays, and the ways into the window.
+#include "FramePlan.h"
+#include "SceneConversion.h"
+#include "VolumeMapperInternals.h"
+#include "vtkTreeAMRDepthReader.h"
+#include "vtkTreeAMRIsosurfaceMapper.h"
+
+#include "Volume/ErrorEstimate.h"
+
+#include "vtkCommand.h"
+#include "vtkRenderer.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <span>
+
+//------------------------------------------------------------------------------
+treeamr::DraftSettings vtkTreeAMRVolumeMapper::GetDraftSettings() const
+{
+  return { this->AutoAdjustSampleDistances, this->ImageSampleDistance, this->MinimumImageSampleDistance,
+    this->MaximumImageSampleDistance, this->InteractiveRenderTime, this->LevelOfDetail };
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
+{
+  Internals& internals = *this->Private;
+  vtkRenderer* renderer = picture.Renderer;
+  vtkVolume* volume = picture.Volume;
+  const int pixels = picture.Viewport.Width * picture.Viewport.Height;
+  const treeamr::VolumeFrame& last = internals.CurrentFrame;
+  const auto measured = internals.SampleDistances.find(last.Of);
+  if (measured != internals.SampleDistances.end() && last.RayCastingSeconds > 0.)
+  {
+    measured->second.record(last.ImageSampleDistance, last.RayCastingSeconds / last.Pixels, last.Interactive);
+  }
+
+  treeamr::VolumeFrame frame;
+  frame.Of = { renderer, volume };
+  frame.Eye = treeamr::eyeOf(renderer);
+  frame.Pixels = pixels;
+  const treeamr::FramePlan plan = treeamr::planFrame(
+    renderer, volume, pixels, this->GetDraftSettings(), internals.SampleDistances[frame.Of]);
+  frame.Interactive = plan.isDraft;
+  frame.ImageSampleDistance = plan.sampleDistance;
+  frame.LevelOfDetail = internals.Categories ? 0. : plan.levelOfDetail;
+  frame.SamplesPerCell = this->SamplesPerCell;
+  if (!frame.Interactive && (this->EstimateError || this->TargetError > 0.))
+  {
+    frame.SquaredError = 0.;
+    if (this->TargetError > 0.)
+    {
+      const auto found = internals.SamplesPerCell.find(frame.Of);
+      frame.SamplesPerCell =
+        treeamr::ErrorTarget(found != internals.SamplesPerCell.end() ? found->second : this->SamplesPerCell)
+          .samplesPerCell();
+    }
+  }
+  if (!picture.Actors.isEmpty())
+  {
+    frame.ImageSampleDistance =
+      picture.Actors.chooseSampleDistance(picture.HasVolume ? frame.ImageSampleDistance : 0.);
+  }
+  internals.CurrentFrame = frame;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::CastRays(
+  const treeamr::Camera& camera, const treeamr::RayStops& stops, bool isPart, treeamr::Image& image)
+{
+  Internals& internals = *this->Private;
+  treeamr::VolumeFrame& frame = internals.CurrentFrame;
+  treeamr::VolumeSettings settings;
+  settings.samplesPerCell = frame.SamplesPerCell;
+  settings.skipEmpty = this->SkipEmptySpace || !this->ShowsVolume();
+  settings.levelOfDetailPixels = frame.LevelOfDetail;
+  const auto render = [&] {
+    const treeamr::Stopwatch stopwatch(frame.RayCastingSeconds);
+    frame.Counts += treeamr::renderVolume(
+      *internals.Field, *internals.TransferFunction, camera, stops, settings, *internals.Kept, image);
+  };
+  render();
+  if (frame.SquaredError < 0.)
+  {
+    return;
+  }
+  double squaredError = 0.;
+  treeamr::ErrorTarget target(settings.samplesPerCell);
+  const auto estimate = [&] {
+    const treeamr::Stopwatch stopwatch(frame.ErrorSeconds);
+    treeamr::ErrorEstimator estimator(
+      *internals.Field, *internals.TransferFunction, camera, stops, settings, *internals.Kept, image);
+    squaredError = std::pow(estimator.error(), 2);
+    return this->TargetError > 0. && target.update(estimator, this->TargetError);
+  };
+  constexpr int mostRepeats = 2;
+  for (int repeats = 0; estimate() && !isPart && repeats < mostRepeats; ++repeats)
+  {
+    settings.samplesPerCell = frame.SamplesPerCell = target.samplesPerCell();
+    render();
+  }
+  frame.SquaredError += squaredError;
+  if (this->TargetError > 0.)
+  {
+    frame.NextSamplesPerCell = std::max(frame.NextSamplesPerCell, target.samplesPerCell());
+    internals.SamplesPerCell[frame.Of] = frame.NextSamplesPerCell;
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* volume)
+{
+  try
+  {
+    this->CheckSettings();
+    this->UpdateField(volume);
+    this->UpdateVertexCache();
+    this->UpdateTransferFunction(volume);
+    this->UpdateIsosurfaces(renderer, volume);
+    return true;
+  }
+  catch (const std::exception& error)
+  {
+    this->Private->Messages.error(error);
+    return false;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
+{
+  Internals& internals = *this->Private;
+  const treeamr::VolumeFrame& frame = internals.CurrentFrame;
+  picture.Shaders.emplace();
+  treeamr::VolumeSurfaces& own = internals.Surfaces[frame.Eye];
+  if (picture.HasVolume && !own.isEmpty())
+  {
+    const treeamr::Stopwatch stopwatch(internals.CurrentFrame.RayCastingSeconds);
+    treeamr::SurfacePose pose;
+    pose.clipFromData = treeamr::clipFromData(picture.Renderer, picture.Volume);
+    pose.viewFromData = treeamr::viewFromData(picture.Renderer, picture.Volume);
+    pose.width = picture.Viewport.Width;
+    pose.height = picture.Viewport.Height;
+    pose.layers = treeamr::SurfaceLayers::All;
+    pose.cut = picture.Cut;
+    treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
+    treeamr::SurfaceAppearance appearance;
+    appearance.opaque = false;
+    appearance.lights = treeamr::convertLights(picture.Renderer);
+    appearance.surfaces = treeamr::convertSurfaceMaterials(picture.Volume->GetProperty(),
+      own.engine()->isovalues(), this->IsosurfaceOpacityScale, appearance.lights);
+    treeamr::SecondaryRays wanted;
+    if (picture.Volume->GetProperty()->GetShade(0) && !appearance.lights.empty())
+    {
+      wanted.occlusionSamples = this->AmbientOcclusionSamples;
+      wanted.occlusionRadius =
+        this->AmbientOcclusionRadius * view.diagonalOf(internals.Field->octree().grid());
+      wanted.shadows = this->Shadows;
+      if (treeamr::isInteractive(picture.Renderer))
+      {
+        wanted.mostNewSamples = vtkTreeAMRIsosurfaceMapper::InteractiveSamples;
+      }
+    }
+    const treeamr::SurfaceVisibility& visibility = view.updateVisibility(wanted, appearance.lights);
+    picture.Shaders->emplace_back(
+      view.hits(), view.camera(), std::move(appearance), visibility, treeamr::HitColors());
+  }
+  const std::vector<treeamr::SurfaceShader>& ofActors = picture.Actors.trace(frame.ImageSampleDistance);
+  picture.Shaders->insert(picture.Shaders->end(), ofActors.begin(), ofActors.end());
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::Composite(
+  Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image)
+{
+  Internals& internals = *this->Private;
+  // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's scale.
+  const treeamr::Camera camera(
+    treeamr::clipFromData(picture.Renderer, picture.Volume), image.width, image.height);
+  const bool isFirst = !picture.Shaders;
+  if (isFirst) // the same for the other part of the rays
+  {
+    this->TraceSurfaces(picture);
+  }
+  const std::vector<treeamr::SurfaceShader>& shaders = *picture.Shaders;
+  if (picture.HasVolume)
+  {
+    if (isFirst && !shaders.empty())
+    {
+      const double start = vtkTimerLog::GetUniversalTime();
+      treeamr::collectLayers(shaders, camera,
+        picture.IsWhole ? std::span<const float>(rays.End) : std::span<const float>(), internals.Layers);
+      picture.Actors.recordShading(vtkTimerLog::GetUniversalTime() - start);
+    }
+    treeamr::RayStops stops = treeamr::RayStops::depths(
+      rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data());
+    stops.cut = picture.Cut;
+    if (!shaders.empty())
+    {
+      stops.hits = internals.Layers.hits();
+    }
+    try
+    {
+      this->CastRays(camera, stops, picture.IsPeeling && !picture.IsWhole, image);
+      return;
+    }
+    catch (const std::exception& error)
+    {
+      this->Private->Messages.error(error);
+    }
+  }
+  // A volume that fails does not take the actors' surfaces with it.
+  if (!shaders.empty())
+  {
+    const std::vector<float> everything(rays.End.empty() ? image.rgba.size() / 4 : 0, 1.f);
+    treeamr::flattenLayers(shaders, rays.End.empty() ? everything : rays.End, image);
+  }
+}
+
+//------------------------------------------------------------------------------
+vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels)
+{
+  treeamr::VolumeFrame& frame = this->Private->CurrentFrame;
+  const treeamr::ImageReduction reduction(
+    picture.Viewport.Width, picture.Viewport.Height, frame.ImageSampleDistance);
+  vtkTreeAMRRayImage result{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
+  vtkTreeAMRRaySegments reduced;
+  if (!reduction.isFull())
+  {
+    const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
+    reduced = pixels.Reduce(reduction);
+    result.Lengths = pixels.GetLengths();
+  }
+  const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
+  if (!rays.IsEmpty())
+  {
+    this->Composite(picture, rays, result.Image);
+  }
+  return result;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::DrawPeeled(Picture& picture)
+{
+  Internals& internals = *this->Private;
+  treeamr::VolumeFrame& frame = internals.CurrentFrame;
+  vtkTreeAMRRaySegments front;
+  vtkTreeAMRRaySegments back;
+  const double start = vtkTimerLog::GetUniversalTime();
+  internals.DepthPeeling.Begin(
+    picture.Renderer, this, picture.Volume, picture.Viewport.Width, picture.Viewport.Height, front, back);
+  const double begun = vtkTimerLog::GetUniversalTime();
+  if (internals.DepthPeeling.IsFrameStart())
+  {
+    this->StartFrame(picture);
+  }
+  frame.CompositingSeconds += begun - start;
+  back.Simplify();
+  const vtkTreeAMRRayImage frontImage = this->Trace(picture, front);
+  const vtkTreeAMRRayImage backImage = this->Trace(picture, back);
+  const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
+  internals.DepthPeeling.Draw(picture.Renderer, frontImage, backImage);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::DrawOver(Picture& picture)
+{
+  Internals& internals = *this->Private;
+  treeamr::VolumeFrame& frame = internals.CurrentFrame;
+  this->StartFrame(picture);
+  vtkTreeAMRRaySegments segments;
+  {
+    const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
+    vtkTreeAMRDepthReader::Read(picture.Renderer, picture.Viewport, segments.End);
+    segments.Simplify();
+  }
+  const vtkTreeAMRRayImage image = this->Trace(picture, segments);
+  const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
+  internals.Painter.DrawOver(picture.Renderer, image);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volume)
+{
+  treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+  const bool isWhole = scene.volume == volume;
+  const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
+  if (isWhole && isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(this, volume))
+  {
+    return false; // that one has drawn everything
+  }
+  if (!isWhole)
+  {
+    scene.surfaces.clear();
+  }
+  Picture picture{ renderer, volume, vtkTreeAMRTarget::GetViewport(renderer), isWhole, isPeeling,
+    this->PrepareVolume(renderer, volume),
+    { treeamr::convertClippingPlanes(this, volume), treeamr::convertCropping(this) },
+    { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
+  if (picture.HasVolume || !picture.Actors.isEmpty())
+  {
+    isPeeling ? this->DrawPeeled(picture) : this->DrawOver(picture);
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
+{
+  if (renderer->GetSelector())
+  {
+    return; // as if there were no volume
+  }
+  this->WarnOfSettings(volume);
+  this->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
+  vtkNew<vtkTimerLog> timer;
+  timer->StartTimer();
+  bool isRound = true;
+  try
+  {
+    isRound = this->RenderVolume(renderer, volume);
+  }
+  catch (const std::exception& error)
+  {
+    this->Private->Messages.error(error);
+  }
+  if (isRound)
+  {
+    this->Private->Messages.endErrors();
+    this->Private->Messages.endWarnings();
+  }
+  timer->StopTimer();
+  this->TimeToDraw = timer->GetElapsedTime();
+  this->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  this->Private->Painter.ReleaseGraphicsResources(window);
+  this->Private->DepthPeeling.ReleaseGraphicsResources(window);
+}

@@ -1,0 +1,129 @@
+// What a volume mapper keeps, and what a call of its Render() draws. Private to the module.
+#pragma once
+
+#include "MapperInput.h"
+#include "MapperMessages.h"
+#include "SurfaceShading.h"
+#include "TranslucentScene.h"
+#include "VolumeSurfaces.h"
+#include "vtkTreeAMRDepthPeeling.h"
+#include "vtkTreeAMRImagePainter.h"
+#include "vtkTreeAMRTarget.h"
+#include "vtkTreeAMRVolumeMapper.h"
+
+#include "Field/TransferFunction.h"
+#include "Geometry/RayStops.h"
+#include "Interpolation/BlockCache.h"
+#include "Volume/VolumeRenderer.h"
+
+#include "vtkNew.h"
+#include "vtkTable.h"
+#include "vtkTimeStamp.h"
+#include "vtkTimerLog.h"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+class vtkRenderer;
+class vtkVolume;
+class vtkVolumeProperty;
+
+namespace treeamr
+{
+
+/// What a frame did. Depth peeling draws one in many parts.
+struct VolumeFrame
+{
+  // Not dereferenced.
+  std::pair<vtkRenderer*, vtkVolume*> Of{ nullptr, nullptr };
+  int Eye = 0; // of a stereo window
+  int Pixels = 0;
+  bool Interactive = false;
+  double ImageSampleDistance = 0.;
+  double LevelOfDetail = 0.;
+  double SamplesPerCell = 0.;
+  double NextSamplesPerCell = 0.; // to meet the target, the most that any part asks for
+  double SquaredError = -1.;      // sum over the parts; negative: not estimated
+  treeamr::VolumeStatistics Counts;
+  double RayCastingSeconds = 0.;
+  double ErrorSeconds = 0.;
+  double CompositingSeconds = 0.;
+};
+
+/// Adds the wall-clock seconds of its own lifetime.
+class Stopwatch
+{
+public:
+  explicit Stopwatch(double& sum)
+    : Sum(sum)
+    , Start(vtkTimerLog::GetUniversalTime())
+  {
+  }
+  ~Stopwatch() { this->Sum += vtkTimerLog::GetUniversalTime() - this->Start; }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+  double& Sum;
+  double Start;
+};
+
+} // namespace treeamr
+
+//------------------------------------------------------------------------------
+struct vtkTreeAMRVolumeMapper::Internals
+{
+  explicit Internals(vtkTreeAMRVolumeMapper* self)
+    : Messages(self)
+  {
+  }
+
+  vtkTreeAMRImagePainter Painter;
+  vtkTreeAMRDepthPeeling DepthPeeling;
+  treeamr::FieldSlot FieldSlot;
+  treeamr::CategorySlot CategorySlot;
+  treeamr::BoundsSlot BoundsSlot;
+  treeamr::MapperMessages Messages; // of a call of Render()
+
+  std::shared_ptr<const treeamr::Field> Field;           // that rays see
+  std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
+  vtkTimeStamp FieldTime;
+  double FieldSeconds = 0.;
+  std::unique_ptr<treeamr::BlockCache> Kept; // of this field, of this size in MiB
+  int KeptSize = 0;
+  // Of this property at this time, for this field. Without a property: transparent.
+  std::optional<treeamr::TransferFunction> TransferFunction;
+  vtkVolumeProperty* Property = nullptr; // not dereferenced
+  vtkMTimeType PropertyTime = 0;
+  vtkTimeStamp TransferFunctionTime;
+  double TransferFunctionSeconds = 0.;
+  std::array<treeamr::VolumeSurfaces, 2> Surfaces; // of the field, seen by each eye
+  vtkTimeStamp SurfaceTime;
+  treeamr::CollectedLayers Layers; // of these and of the actors that are drawn with the volume
+
+  treeamr::VolumeFrame CurrentFrame;
+  // Of this field with this transfer function.
+  std::map<std::pair<vtkRenderer*, vtkVolume*>, treeamr::SampleDistanceControl> SampleDistances;
+  // That met the target in the last still frame.
+  std::map<std::pair<vtkRenderer*, vtkVolume*>, double> SamplesPerCell;
+  vtkNew<vtkTable> Statistics;
+};
+
+//------------------------------------------------------------------------------
+// What a call of Render() draws.
+struct vtkTreeAMRVolumeMapper::Picture
+{
+  vtkRenderer* Renderer;
+  vtkVolume* Volume;
+  vtkTreeAMRViewport Viewport;
+  bool IsWhole; // with all that is translucent in the renderer
+  bool IsPeeling;
+  bool HasVolume; // else it failed
+  treeamr::DataCut Cut;
+  treeamr::ActorLayers Actors;
+  std::optional<std::vector<treeamr::SurfaceShader>> Shaders; // once they are traced, the mapper's own first
+};
