@@ -1,34 +1,26 @@
-// One pass over the quadrants: the header tells the number of nodes of each tree, so the arrays' sizes and
-// the trees' first global indices are known beforehand. Quadrants come in Morton order, the depth-first order
-// of the leaves: the path from the root to the current leaf is all that is kept, and an inner node gets its
-// value when its eighth child is complete.
+// One pass over the quadrants: the header tells the number of nodes of each tree.
 #include "vtkTreeAMRP4estReader.h"
 
+#include "CellArrayFillers.h"
 #include "Error.h"
-#include "P4estArrayFillers.h"
-#include "P4estForestFile.h"
-#include "P4estTreeLattice.h"
-#include "PayloadGuess.h"
-#include "PayloadLayout.h"
+#include "Forest/P4estForestFile.h"
+#include "Forest/P4estTreeLattice.h"
+#include "Forest/PayloadGuess.h"
+#include "Forest/PayloadLayout.h"
+#include "HyperTreeGridBuilder.h"
 
-#include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArraySelection.h"
-#include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
-#include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -39,97 +31,19 @@ vtkStandardNewMacro(vtkTreeAMRP4estReader);
 namespace
 {
 
-using treeamr::ArrayFillers;
 using treeamr::P4estForestFile;
-using treeamr::P4estQuadrant;
 using treeamr::PayloadField;
 using treeamr::PayloadType;
 
-// Grows one hyper tree from its leaves in Morton order.
-class TreeBuilder
+std::vector<std::uint64_t> NodeCounts(const P4estForestFile& file)
 {
-public:
-  TreeBuilder(vtkHyperTree* tree, vtkIdType globalStart)
-    : Tree(tree)
-    , GlobalStart(globalStart)
-  {
-    tree->SetGlobalIndexStart(globalStart);
-  }
-
-  void AddLeaf(const P4estQuadrant& leaf, ArrayFillers& fillers)
-  {
-    for (; this->Level < leaf.level; ++this->Level)
-    {
-      // A subdivision's eight children are appended to the tree's vertices.
-      this->FirstChild[this->Level] = this->Tree->GetNumberOfVertices();
-      this->Tree->SubdivideLeaf(this->Node[this->Level], static_cast<unsigned int>(this->Level));
-      this->Node[this->Level + 1] = this->FirstChild[this->Level];
-    }
-    for (auto& filler : fillers)
-    {
-      filler->setLeaf(this->GlobalStart + this->Node[this->Level], leaf);
-    }
-    while (this->Level > 0 && this->Node[this->Level] == this->FirstChild[this->Level - 1] + 7)
-    {
-      --this->Level;
-      for (auto& filler : fillers)
-      {
-        filler->setInner(
-          this->GlobalStart + this->Node[this->Level], this->GlobalStart + this->FirstChild[this->Level]);
-      }
-    }
-    if (this->Level > 0)
-    {
-      ++this->Node[this->Level];
-    }
-  }
-
-private:
-  vtkHyperTree* Tree;
-  vtkIdType GlobalStart;
-  // The path from the root to where the next leaf begins: per level the node and, above the last, its first
-  // child.
-  int Level = 0;
-  std::array<vtkIdType, P4estForestFile::maxLevel + 1> Node{};
-  std::array<vtkIdType, P4estForestFile::maxLevel + 1> FirstChild{};
-};
-
-void SetLattice(vtkHyperTreeGrid* grid, const treeamr::P4estTreeLattice& lattice)
-{
-  std::array<vtkSmartPointer<vtkDoubleArray>, 3> coordinates;
-  std::array<unsigned int, 3> points;
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    const std::vector<double>& planes = lattice.planes()[axis];
-    points[axis] = static_cast<unsigned int>(planes.size());
-    coordinates[axis] = vtkSmartPointer<vtkDoubleArray>::New();
-    coordinates[axis]->SetNumberOfValues(static_cast<vtkIdType>(planes.size()));
-    std::ranges::copy(planes, coordinates[axis]->GetPointer(0));
-  }
-  grid->SetBranchFactor(2);
-  grid->SetDimensions(points.data());
-  grid->SetXCoordinates(coordinates[0]);
-  grid->SetYCoordinates(coordinates[1]);
-  grid->SetZCoordinates(coordinates[2]);
-}
-
-// The first global index of each tree, and behind the last tree the number of all nodes.
-std::vector<vtkIdType> FindTreeStarts(const P4estForestFile& file)
-{
-  std::vector<vtkIdType> starts(1, 0);
-  starts.reserve(file.treeCount() + std::size_t(1));
+  std::vector<std::uint64_t> counts;
+  counts.reserve(file.treeCount());
   for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
   {
-    const std::uint64_t nodes = file.nodeCount(tree);
-    constexpr std::uint64_t maxNodes = std::numeric_limits<unsigned int>::max();
-    if (nodes > maxNodes)
-    {
-      throw treeamr::Error(file.path() + ": tree " + std::to_string(tree) + ": " + std::to_string(nodes) +
-        " nodes, allowed " + std::to_string(maxNodes) + ", the most of a vtkHyperTree");
-    }
-    starts.push_back(starts.back() + static_cast<vtkIdType>(nodes));
+    counts.push_back(file.nodeCount(tree));
   }
-  return starts;
+  return counts;
 }
 
 // A layout that fits the size, to show what the property wants.
@@ -421,62 +335,45 @@ int vtkTreeAMRP4estReader::RequestData(
 void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
 {
   const P4estForestFile file(this->FileName);
-  const treeamr::P4estTreeLattice lattice(file);
-  SetLattice(grid, lattice);
-  const std::vector<vtkIdType> treeStarts = FindTreeStarts(file);
-  const vtkIdType nodes = treeStarts.back();
+  const treeamr::TreeLattice lattice = treeamr::p4estTreeLattice(file);
+  treeamr::HyperTreeGridBuilder builder(grid, lattice, NodeCounts(file), file.path());
+  const vtkIdType nodes = builder.nodeCount();
 
   const PayloadReading payload = ReadPayload(file, this->Payload ? this->Payload : "");
   this->Remark(file.path(), payload.remark);
 
   const std::vector<std::string> names = ArrayNames(payload.fields, this->GenerateLevel);
   this->WarnOfUnknownArrays(file.path(), names);
-  ArrayFillers fillers;
   for (const std::string& name : names)
   {
     if (!this->IsSelected(name))
     {
       continue;
     }
-    vtkCellData* const cellData = grid->GetCellData();
     const auto field = std::ranges::find(payload.fields, name, &PayloadField::name);
     if (field != payload.fields.end())
     {
-      fillers.push_back(treeamr::makeFiller(cellData, *field, nodes));
+      builder.addArray(treeamr::makeFiller(*field, nodes));
     }
     else if (name == treeamr::levelArrayName)
     {
-      fillers.push_back(std::make_unique<treeamr::LevelFiller>(cellData, nodes));
+      builder.addArray(std::make_unique<treeamr::LevelFiller>(nodes));
     }
     else
     {
-      fillers.push_back(std::make_unique<treeamr::TreeIdFiller>(cellData, nodes));
-    }
-    if (fillers.size() == 1)
-    {
-      cellData->SetActiveScalars(name.c_str());
+      builder.addArray(std::make_unique<treeamr::TreeIdFiller>(nodes));
     }
   }
 
-  std::unique_ptr<TreeBuilder> builder;
-  std::int32_t tree = -1;
-  std::uint64_t visited = 0;
   const std::uint64_t progressStep = file.quadrantCount() / 50 + 1;
-  file.visitQuadrants([&](const P4estQuadrant& leaf) {
-    if (leaf.tree != tree)
+  file.visitQuadrants([&](const treeamr::TreeLeaf& leaf) {
+    builder.add(leaf);
+    if ((leaf.number + 1) % progressStep == 0)
     {
-      tree = leaf.tree;
-      const std::array<int, 3>& place = lattice.place(tree);
-      vtkIdType index;
-      grid->GetIndexFromLevelZeroCoordinates(index, place[0], place[1], place[2]);
-      builder = std::make_unique<TreeBuilder>(grid->GetTree(index, true), treeStarts[tree]);
-    }
-    builder->AddLeaf(leaf, fillers);
-    if (++visited % progressStep == 0)
-    {
-      this->UpdateProgress(static_cast<double>(visited) / static_cast<double>(file.quadrantCount()));
+      this->UpdateProgress(static_cast<double>(leaf.number + 1) / static_cast<double>(file.quadrantCount()));
     }
   });
+  builder.finish();
 }
 
 int vtkTreeAMRP4estReader::ProcessTrees(vtkHyperTreeGrid*, vtkDataObject*)

@@ -20,6 +20,8 @@ FORBIDDEN = {
     "Reader": (r"vtkPV|vtkSM|vtkSI|pv|pq|Q[A-Z]", "Reader knows no ParaView"),
     "Rendering": (r"vtkPV|vtkSM|vtkSI|pv|pq|Q[A-Z]", "Rendering knows no ParaView"),
 }
+# A part of Reader that needs no VTK: of its own folder and of Core only.
+FOREST = "Reader/Forest"
 P4EST = re.compile(r"(p4est|p6est|p8est|sc)(_[a-z0-9_]+)?\.h")
 EMBREE = re.compile(r"embree\d*/")
 
@@ -48,6 +50,9 @@ def violations(root):
                     found.append(f"{where}: includes {name} of {target}, which is above {layer}")
                 elif not target and layer in FORBIDDEN and re.match(FORBIDDEN[layer][0], name):
                     found.append(f"{where}: includes {name}; {FORBIDDEN[layer][1]}")
+                if where.is_relative_to(FOREST) and (name.startswith("vtk") or (
+                        target == "Reader" and not name.startswith("Forest/"))):
+                    found.append(f"{where}: includes {name}; {FOREST} knows no VTK")
                 if P4EST.fullmatch(name):
                     found.append(f"{where}: includes {name}; libp4est (GPL) is for Testing/ only")
             if any(EMBREE.match(name) for name in includes):
@@ -89,6 +94,13 @@ class SelfTest(unittest.TestCase):
                             ("Core", "<QWidget>"), ("Reader", '"vtkPVView.h"'),
                             ("Rendering", '"vtkSMProxy.h"'), ("Rendering", '"pqView.h"')]:
             self.assertEqual(1, len(self.check({f"{layer}/a.h": [name]})), (layer, name))
+
+    def test_forest(self):
+        for name in ['"vtkNew.h"', '"Converter.h"']:
+            self.assertEqual(1, len(self.check({"Reader/Forest/a.h": [name], "Reader/Converter.h": []})), name)
+        self.assertEqual([], self.check(
+            {"Reader/Forest/a.cpp": ['"Forest/a.h"', '"Error.h"', "<vector>"], "Reader/Forest/a.h": [],
+             "Reader/b.cxx": ['"Forest/a.h"'], "Core/Error.h": []}))
 
     def test_p4est(self):
         for layer in LAYERS:

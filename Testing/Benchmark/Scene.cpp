@@ -1,7 +1,7 @@
 #include "Scene.h"
 
 #include "Error.h"
-#include "P4estForestFile.h"
+#include "Forest/P4estForestFile.h"
 #include "Support/Cameras.h"
 #include "Support/ProceduralTree.h"
 
@@ -91,7 +91,7 @@ Forest readForest(const std::string& path)
   }
   Forest forest;
   forest.cells.reserve(file.quadrantCount());
-  file.visitQuadrants([&](const P4estQuadrant& q) {
+  file.visitQuadrants([&](const TreeLeaf& q) {
     double value;
     std::memcpy(&value, q.payload, sizeof(value));
     forest.cells.push_back(

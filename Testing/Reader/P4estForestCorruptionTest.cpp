@@ -2,7 +2,7 @@
 // counts. Each must read as a valid forest or throw Error, and ask the heap for no more than the file's size
 // warrants.
 #include "Error.h"
-#include "P4estForestFile.h"
+#include "Forest/P4estForestFile.h"
 #include "Support/ExampleForests.h"
 #include "Support/ForestBytes.h"
 
@@ -62,7 +62,7 @@ void expectEachTreeCovered(const P4estForestFile& file)
   using Wide = unsigned __int128;
   constexpr int maxLevel = P4estForestFile::maxLevel;
   std::vector<Wide> covered(file.treeCount(), 0);
-  file.visitQuadrants([&](const P4estQuadrant& q) {
+  file.visitQuadrants([&](const TreeLeaf& q) {
     ASSERT_GE(q.level, 0);
     ASSERT_LE(q.level, maxLevel);
     Wide begin = 0;

@@ -1,7 +1,7 @@
 // Forests written by libp4est, read back leaf by leaf; and the errors of files that are none.
-#include "P4estForestFile.h"
+#include "Forest/P4estForestFile.h"
 #include "Error.h"
-#include "P4estTreeLattice.h"
+#include "Forest/P4estTreeLattice.h"
 #include "Support/ExampleForests.h"
 #include "Support/ForestBytes.h"
 
@@ -19,7 +19,7 @@ namespace
 std::vector<ForestQuadrant> readAll(const P4estForestFile& file)
 {
   std::vector<ForestQuadrant> all;
-  file.visitQuadrants([&](const P4estQuadrant& q) {
+  file.visitQuadrants([&](const TreeLeaf& q) {
     all.push_back(
       { q.tree, q.index, q.level, std::vector<std::byte>(q.payload, q.payload + file.payloadSize()) });
   });
@@ -43,7 +43,7 @@ std::string errorOf(const std::string& path)
   try
   {
     const P4estForestFile file(path);
-    file.visitQuadrants([](const P4estQuadrant&) {});
+    file.visitQuadrants([](const TreeLeaf&) {});
   }
   catch (const Error& error)
   {
@@ -249,7 +249,7 @@ TEST_F(P4estForestFileTest, VerticesOfTheConnectivity)
   const P4estForestFile file(path);
   ASSERT_EQ(file.connectivity().vertices.size(), 18u);
   ASSERT_EQ(file.connectivity().treeVertices.size(), 4u);
-  const P4estTreeLattice lattice(file);
+  const TreeLattice lattice = p4estTreeLattice(file);
   for (int tree = 0; tree < 4; ++tree)
   {
     for (int corner = 0; corner < 8; ++corner)

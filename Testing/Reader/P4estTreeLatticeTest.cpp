@@ -1,5 +1,5 @@
 // Lattices of trees from connectivities of libp4est, and the trees that fit none.
-#include "P4estTreeLattice.h"
+#include "Forest/P4estTreeLattice.h"
 #include "Error.h"
 #include "Support/ForestBytes.h"
 #include "Support/ForestWriter.h"
@@ -32,10 +32,10 @@ ForestWriter::Corners boxCorners(const Point& min, const Point& max)
 class P4estTreeLatticeTest : public ::testing::Test
 {
 protected:
-  P4estTreeLattice latticeOf(const ForestWriter& forest)
+  TreeLattice latticeOf(const ForestWriter& forest)
   {
     forest.save(folder_.file("forest.p8est"));
-    return P4estTreeLattice(P4estForestFile(folder_.file("forest.p8est")));
+    return p4estTreeLattice(P4estForestFile(folder_.file("forest.p8est")));
   }
 
   void expectError(const ForestWriter& forest, const std::string& part)
@@ -58,7 +58,7 @@ protected:
 
 TEST_F(P4estTreeLatticeTest, UnitCube)
 {
-  const P4estTreeLattice lattice = latticeOf(ForestWriter::unitCube());
+  const TreeLattice lattice = latticeOf(ForestWriter::unitCube());
   EXPECT_EQ(lattice.planes(), (Planes{ { { 0., 1. }, { 0., 1. }, { 0., 1. } } }));
   EXPECT_EQ(lattice.place(0), (std::array{ 0, 0, 0 }));
 }
@@ -67,8 +67,7 @@ TEST_F(P4estTreeLatticeTest, BricksPeriodicOrNot)
 {
   for (const bool periodic : { false, true })
   {
-    const P4estTreeLattice lattice =
-      latticeOf(ForestWriter::brick({ 3, 2, 5 }, { periodic, periodic, periodic }));
+    const TreeLattice lattice = latticeOf(ForestWriter::brick({ 3, 2, 5 }, { periodic, periodic, periodic }));
     EXPECT_EQ(
       lattice.planes(), (Planes{ { { 0., 1., 2., 3. }, { 0., 1., 2. }, { 0., 1., 2., 3., 4., 5. } } }));
     std::set<std::array<int, 3>> places;
@@ -88,7 +87,7 @@ TEST_F(P4estTreeLatticeTest, ScaledShiftedAndStretched)
   forest.moveVertices([](const Point& p) {
     return Point{ p[0] * p[0], 0.1 * p[1] - 7., 1e6 + 1e-3 * p[2] };
   });
-  const P4estTreeLattice lattice = latticeOf(forest);
+  const TreeLattice lattice = latticeOf(forest);
   EXPECT_EQ(lattice.planes()[0], (std::vector{ 0., 1., 4., 9., 16. }));
   EXPECT_EQ(lattice.planes()[1], (std::vector{ -7., 0.1 - 7. }));
   EXPECT_EQ(lattice.planes()[2], (std::vector{ 1e6, 1e6 + 1e-3, 1e6 + 2e-3 }));
@@ -96,7 +95,7 @@ TEST_F(P4estTreeLatticeTest, ScaledShiftedAndStretched)
 
 TEST_F(P4estTreeLatticeTest, TreesLeftOut)
 {
-  const P4estTreeLattice lattice = latticeOf(
+  const TreeLattice lattice = latticeOf(
     ForestWriter::separateTrees({ boxCorners({ 2, 0, 0 }, { 3, 1, 1 }), boxCorners({ 0, 0, 0 }, { 1, 1, 1 }),
       boxCorners({ 2, 1, 0 }, { 3, 2, 1 }), boxCorners({ 7, 1, 0 }, { 8, 2, 1 }) }));
   EXPECT_EQ(lattice.planes()[0], (std::vector{ 0., 1., 2., 3., 7., 8. }));
@@ -121,7 +120,7 @@ TEST_F(P4estTreeLatticeTest, RoundedVertices)
     someDiffer |= trees[i][7][0] != trees[i + 1][0][0];
   }
   ASSERT_TRUE(someDiffer); // else this tests nothing
-  const P4estTreeLattice lattice = latticeOf(ForestWriter::separateTrees(trees));
+  const TreeLattice lattice = latticeOf(ForestWriter::separateTrees(trees));
   EXPECT_EQ(lattice.planes()[0].size(), 11u);
   for (int i = 0; i < 10; ++i)
   {

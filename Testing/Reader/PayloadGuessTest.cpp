@@ -1,5 +1,5 @@
 // What programs keep in 8 bytes, and whether it passes for a double.
-#include "PayloadGuess.h"
+#include "Forest/PayloadGuess.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Payload layouts against what the compiler makes of the same struct, and the errors of bad texts.
-#include "PayloadLayout.h"
+#include "Forest/PayloadLayout.h"
 #include "Error.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "P4estTreeLattice.h"
+#include "Forest/P4estTreeLattice.h"
 
 #include "Error.h"
 
@@ -31,43 +31,58 @@ template <class... Parts>
   throw Error(message.str());
 }
 
-} // namespace
-
-P4estTreeLattice::P4estTreeLattice(const P4estForestFile& file)
-  : places_(file.treeCount())
+class LatticeFinder
 {
-  if (file.connectivity().vertices.empty())
+public:
+  explicit LatticeFinder(const P4estForestFile& file)
+    : file_(file)
+    , places_(file.treeCount())
   {
-    fail(file, "the connectivity has no vertices, allowed one whose vertices say where the trees are");
+    if (file.connectivity().vertices.empty())
+    {
+      fail(file, "the connectivity has no vertices, allowed one whose vertices say where the trees are");
+    }
+    findTolerances();
+    for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+    {
+      checkBox(tree);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      findPlanes(axis);
+    }
+    checkPlaces();
   }
-  findTolerances(file);
-  for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
-  {
-    checkBox(file, tree);
-  }
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    findPlanes(file, axis);
-  }
-  checkPlaces(file);
-}
+  TreeLattice take() { return { std::move(planes_), std::move(places_) }; }
+
+private:
+  void findTolerances();
+  void checkBox(std::int32_t tree) const;
+  void findPlanes(int axis);
+  void checkPlaces() const;
+
+  const P4estForestFile& file_;
+  Point tolerances_{}; // coordinates that differ by less are the same plane
+  std::array<std::vector<double>, 3> planes_;
+  std::vector<std::array<int, 3>> places_; // of each tree
+};
 
 /// Below the width of the finest quadrant of any p4est a difference shows in no cell; and vertices are the
 /// results of a few operations, each of which rounds.
-void P4estTreeLattice::findTolerances(const P4estForestFile& file)
+void LatticeFinder::findTolerances()
 {
   constexpr double roundings = 4.;
   for (int axis = 0; axis < 3; ++axis)
   {
     double edge = std::numeric_limits<double>::infinity();
     double magnitude = 0.;
-    for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+    for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
     {
-      const double min = corner(file, tree, 0)[axis];
-      const double max = corner(file, tree, 7)[axis];
+      const double min = corner(file_, tree, 0)[axis];
+      const double max = corner(file_, tree, 7)[axis];
       if (!std::isfinite(min) || !std::isfinite(max) || min >= max)
       {
-        fail(file, "tree ", tree, ": from ", min, " to ", max, " along ", "xyz"[axis],
+        fail(file_, "tree ", tree, ": from ", min, " to ", max, " along ", "xyz"[axis],
           ", allowed an axis-aligned box in identity orientation");
       }
       edge = std::min(edge, max - min);
@@ -78,18 +93,18 @@ void P4estTreeLattice::findTolerances(const P4estForestFile& file)
   }
 }
 
-void P4estTreeLattice::checkBox(const P4estForestFile& file, std::int32_t tree) const
+void LatticeFinder::checkBox(std::int32_t tree) const
 {
-  const std::array<Point, 2> box = { corner(file, tree, 0), corner(file, tree, 7) };
+  const std::array<Point, 2> box = { corner(file_, tree, 0), corner(file_, tree, 7) };
   for (int c = 1; c < 7; ++c)
   {
-    const Point found = corner(file, tree, c);
+    const Point found = corner(file_, tree, c);
     const Point allowed = { box[c & 1][0], box[c >> 1 & 1][1], box[c >> 2][2] };
     for (int axis = 0; axis < 3; ++axis)
     {
       if (!(std::abs(found[axis] - allowed[axis]) <= tolerances_[axis]))
       {
-        fail(file, "tree ", tree, ": corner ", c, " at (", found[0], ", ", found[1], ", ", found[2],
+        fail(file_, "tree ", tree, ": corner ", c, " at (", found[0], ", ", found[1], ", ", found[2],
           "), allowed (", allowed[0], ", ", allowed[1], ", ", allowed[2],
           "): an axis-aligned box in identity orientation");
       }
@@ -97,14 +112,14 @@ void P4estTreeLattice::checkBox(const P4estForestFile& file, std::int32_t tree) 
   }
 }
 
-void P4estTreeLattice::findPlanes(const P4estForestFile& file, int axis)
+void LatticeFinder::findPlanes(int axis)
 {
   std::vector<double>& planes = planes_[axis];
   planes.reserve(2 * places_.size());
-  for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+  for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
   {
-    planes.push_back(corner(file, tree, 0)[axis]);
-    planes.push_back(corner(file, tree, 7)[axis]);
+    planes.push_back(corner(file_, tree, 0)[axis]);
+    planes.push_back(corner(file_, tree, 7)[axis]);
   }
   std::ranges::sort(planes);
   // The first of equal ones stays; std::unique compares with the one that stayed.
@@ -114,21 +129,21 @@ void P4estTreeLattice::findPlanes(const P4estForestFile& file, int axis)
   const auto planeOf = [&](double coordinate) {
     return static_cast<int>(std::ranges::upper_bound(planes, coordinate) - planes.begin()) - 1;
   };
-  for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+  for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
   {
-    const double min = corner(file, tree, 0)[axis];
-    const double max = corner(file, tree, 7)[axis];
+    const double min = corner(file_, tree, 0)[axis];
+    const double max = corner(file_, tree, 7)[axis];
     places_[tree][axis] = planeOf(min);
     if (planeOf(max) != planeOf(min) + 1)
     {
-      fail(file, "tree ", tree, ": from ", min, " to ", max, " along ", "xyz"[axis], " spans ",
+      fail(file_, "tree ", tree, ": from ", min, " to ", max, " along ", "xyz"[axis], " spans ",
         planeOf(max) - planeOf(min), " cells of the lattice that all trees form, allowed 1");
     }
   }
 }
 
 /// One tree a place; and vtkHyperTreeGrid multiplies the numbers of places in 32 bits.
-void P4estTreeLattice::checkPlaces(const P4estForestFile& file) const
+void LatticeFinder::checkPlaces() const
 {
   std::array<std::uint64_t, 3> cells;
   for (int axis = 0; axis < 3; ++axis)
@@ -138,11 +153,11 @@ void P4estTreeLattice::checkPlaces(const P4estForestFile& file) const
   constexpr std::uint64_t maxPlaces = std::numeric_limits<std::uint32_t>::max();
   if (cells[0] * cells[1] > maxPlaces || cells[0] * cells[1] * cells[2] > maxPlaces)
   {
-    fail(file, "a lattice of ", cells[0], " x ", cells[1], " x ", cells[2], " trees, allowed ", maxPlaces,
+    fail(file_, "a lattice of ", cells[0], " x ", cells[1], " x ", cells[2], " trees, allowed ", maxPlaces,
       " places");
   }
   std::vector<std::pair<std::uint64_t, std::int32_t>> taken(places_.size());
-  for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+  for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
   {
     const std::array<int, 3>& p = places_[tree];
     taken[tree] = { p[0] + cells[0] * (p[1] + cells[1] * p[2]), tree };
@@ -152,9 +167,16 @@ void P4estTreeLattice::checkPlaces(const P4estForestFile& file) const
     std::ranges::adjacent_find(taken, [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice != taken.end())
   {
-    fail(
-      file, "tree ", twice[1].second, ": at the place of tree ", twice[0].second, ", allowed one of its own");
+    fail(file_, "tree ", twice[1].second, ": at the place of tree ", twice[0].second,
+      ", allowed one of its own");
   }
+}
+
+} // namespace
+
+TreeLattice p4estTreeLattice(const P4estForestFile& file)
+{
+  return LatticeFinder(file).take();
 }
 
 } // namespace treeamr

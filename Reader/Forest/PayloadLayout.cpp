@@ -2,7 +2,7 @@
 //   layout = [ member { ";" member } [ ";" ] ]
 //   member = "pad" "[" number "]" | type declarator { "," declarator }
 //   declarator = name [ "[" number "]" ]
-#include "PayloadLayout.h"
+#include "Forest/PayloadLayout.h"
 
 #include "Error.h"
 

@@ -17,6 +17,8 @@
 // second quadrant of a refined tree tells which.
 #pragma once
 
+#include "Forest/TreeLeaf.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,15 +36,6 @@ struct P4estConnectivity
   std::vector<std::array<double, 3>> vertices;
   /// The eight corners of each tree, x fastest; none without vertices.
   std::vector<std::array<std::int32_t, 8>> treeVertices;
-};
-
-/// One leaf, while it is visited.
-struct P4estQuadrant
-{
-  std::int32_t tree;
-  std::array<std::uint32_t, 3> index; // in [0, 2^level), on the lattice of its level in the tree
-  int level;
-  const std::byte* payload; // payloadSize() bytes, at any alignment, valid during the visit only
 };
 
 class P4estForestFile
@@ -78,7 +71,7 @@ public:
   /// Visits all quadrants, tree by tree in Morton order, reading by blocks. Each is checked before its visit:
   /// a level out of range, a place off its level's lattice, a gap, an overlap or a false order is an Error,
   /// and what was visited before it must be thrown away.
-  void visitQuadrants(const std::function<void(const P4estQuadrant&)>& visit) const;
+  void visitQuadrants(const std::function<void(const TreeLeaf&)>& visit) const;
 
   /// Visits the payloads of all quadrants or, when these are more than `count`, of about as many in blocks
   /// spread over the file. The quadrants are not checked.

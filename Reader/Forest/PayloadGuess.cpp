@@ -1,4 +1,4 @@
-#include "PayloadGuess.h"
+#include "Forest/PayloadGuess.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,8 +1,8 @@
 // The layout is told in the header. It was read off p4est_save_ext, p4est_source_ext and
 // p4est_connectivity_sink of p4est 0.3.5, 2.2 and 2.8.
-#include "P4estForestFile.h"
+#include "Forest/P4estForestFile.h"
 
-#include "P4estInputFile.h"
+#include "Forest/P4estInputFile.h"
 
 #include <algorithm>
 #include <bit>
@@ -417,7 +417,7 @@ bool P4estForestFile::hasMagic(const std::string& path) noexcept
   }
 }
 
-void P4estForestFile::visitQuadrants(const std::function<void(const P4estQuadrant&)>& visit) const
+void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>& visit) const
 {
   P4estInputFile file(path_);
   file.seek(quadrantsOffset_);
@@ -431,6 +431,7 @@ void P4estForestFile::visitQuadrants(const std::function<void(const P4estQuadran
   for (std::int32_t tree = 0; tree < treeCount(); ++tree)
   {
     MortonWalk walk(rootBits_);
+    const std::uint64_t first = tree > 0 ? treeEnds_[tree - 1] : 0;
     for (std::uint64_t quadrant = 0; quadrant < quadrantCount(tree); ++quadrant, next += recordBytes)
     {
       if (next == block.data() + block.size())
@@ -444,7 +445,7 @@ void P4estForestFile::visitQuadrants(const std::function<void(const P4estQuadran
       Record record;
       std::memcpy(&record, next, sizeof(record));
       walk.advance(file, record, tree, quadrant);
-      P4estQuadrant leaf{ tree, {}, record.level, next + sizeof(record) };
+      TreeLeaf leaf{ tree, {}, record.level, first + quadrant, next + sizeof(record) };
       for (int a = 0; a < 3; ++a)
       {
         leaf.index[a] = static_cast<std::uint32_t>(record.anchor[a]) >> (rootBits_ - record.level);

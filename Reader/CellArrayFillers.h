@@ -1,0 +1,167 @@
+// One cell array each of a grid that is built from its leaves (HyperTreeGridBuilder.h), filled leaf by leaf. Private to
+// the module.
+#pragma once
+
+#include "Forest/PayloadLayout.h"
+#include "Forest/TreeLeaf.h"
+#include "LargeDataArray.h"
+
+#include "vtkAOSDataArrayTemplate.h"
+#include "vtkSmartPointer.h"
+#include "vtkTypeTraits.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+
+namespace treeamr
+{
+
+constexpr const char* levelArrayName = "level";
+constexpr const char* treeIdArrayName = "treeid";
+
+/// Children before their parent.
+class CellArrayFiller
+{
+public:
+  virtual ~CellArrayFiller() = default;
+  virtual void setLeaf(vtkIdType node, const TreeLeaf& leaf) = 0;
+  /// present: mask of the children that have cells, one at least.
+  virtual void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) = 0;
+  /// Where there is no cell.
+  virtual void setMissing(vtkIdType node) = 0;
+  virtual vtkDataArray* array() const noexcept = 0;
+};
+
+template <class T>
+class TypedFiller : public CellArrayFiller
+{
+public:
+  void setMissing(vtkIdType node) override { std::fill_n(tuple(node), components_, T()); }
+  vtkDataArray* array() const noexcept override { return array_; }
+
+protected:
+  TypedFiller(const char* name, int components, vtkIdType nodes)
+    // Not vtkAOSDataArrayTemplate::New(): that is no vtkDoubleArray, vtkIntArray ... to those who ask.
+    : array_(vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTKTypeID())))
+    , components_(components)
+  {
+    array_->SetName(name);
+    array_->SetNumberOfComponents(components);
+    auto* const typed = vtkAOSDataArrayTemplate<T>::FastDownCast(array_);
+    allocateTuples(typed, nodes);
+    values_ = typed->GetPointer(0);
+  }
+  T* tuple(vtkIdType node) { return values_ + node * components_; }
+
+private:
+  vtkSmartPointer<vtkDataArray> array_;
+  T* values_; // of the array
+
+protected:
+  int components_;
+};
+
+/// A member of the leaves' payload; of an inner node the mean of its children, or of integers the first one's.
+template <class T>
+class PayloadFiller : public TypedFiller<T>
+{
+public:
+  PayloadFiller(const PayloadField& field, vtkIdType nodes)
+    : TypedFiller<T>(field.name.c_str(), field.components, nodes)
+    , offset_(field.offset)
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    std::memcpy(this->tuple(node), leaf.payload + offset_, this->components_ * sizeof(T));
+  }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  {
+    T* const value = this->tuple(node);
+    const T* const children = this->tuple(firstChild);
+    [[maybe_unused]] const double count = present == 0xff ? 8 : std::popcount(present);
+    for (int c = 0; c < this->components_; ++c)
+    {
+      if constexpr (std::is_floating_point_v<T>)
+      {
+        double sum = 0.; // missing ones are 0
+        for (int child = 0; child < 8; ++child)
+        {
+          sum += children[child * this->components_ + c];
+        }
+        value[c] = static_cast<T>(sum / count);
+      }
+      else
+      {
+        value[c] = children[std::countr_zero(present) * this->components_ + c];
+      }
+    }
+  }
+
+private:
+  std::size_t offset_;
+};
+
+class LevelFiller : public TypedFiller<unsigned char>
+{
+public:
+  explicit LevelFiller(vtkIdType nodes)
+    : TypedFiller(levelArrayName, 1, nodes)
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    *tuple(node) = static_cast<unsigned char>(leaf.level);
+  }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  {
+    *tuple(node) = static_cast<unsigned char>(*tuple(firstChild + std::countr_zero(present)) - 1);
+  }
+};
+
+class TreeIdFiller : public TypedFiller<int>
+{
+public:
+  explicit TreeIdFiller(vtkIdType nodes)
+    : TypedFiller(treeIdArrayName, 1, nodes)
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override { *tuple(node) = leaf.tree; }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  {
+    *tuple(node) = *tuple(firstChild + std::countr_zero(present));
+  }
+};
+
+inline std::unique_ptr<CellArrayFiller> makeFiller(const PayloadField& field, vtkIdType nodes)
+{
+  switch (field.type)
+  {
+    case PayloadType::Int8:
+      return std::make_unique<PayloadFiller<vtkTypeInt8>>(field, nodes);
+    case PayloadType::UInt8:
+      return std::make_unique<PayloadFiller<vtkTypeUInt8>>(field, nodes);
+    case PayloadType::Int16:
+      return std::make_unique<PayloadFiller<vtkTypeInt16>>(field, nodes);
+    case PayloadType::UInt16:
+      return std::make_unique<PayloadFiller<vtkTypeUInt16>>(field, nodes);
+    case PayloadType::Int32:
+      return std::make_unique<PayloadFiller<vtkTypeInt32>>(field, nodes);
+    case PayloadType::UInt32:
+      return std::make_unique<PayloadFiller<vtkTypeUInt32>>(field, nodes);
+    case PayloadType::Int64:
+      return std::make_unique<PayloadFiller<vtkTypeInt64>>(field, nodes);
+    case PayloadType::UInt64:
+      return std::make_unique<PayloadFiller<vtkTypeUInt64>>(field, nodes);
+    case PayloadType::Float32:
+      return std::make_unique<PayloadFiller<float>>(field, nodes);
+    case PayloadType::Float64:
+      return std::make_unique<PayloadFiller<double>>(field, nodes);
+  }
+  return nullptr;
+}
+
+} // namespace treeamr
