@@ -3,6 +3,7 @@
 #include "Surface/SurfaceFrame.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace treeamr
@@ -16,7 +17,7 @@ namespace
 constexpr double sameHit = 0x1p-32;
 
 /// Bound of the error of a place in an octant of the block.
-double placeError(const BlockPlanes& planes, const SurfaceRay& ray) noexcept
+double placeError(const BlockPlanes& planes, const RayPart& ray) noexcept
 {
   const double perWidth =
     std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] });
@@ -25,20 +26,13 @@ double placeError(const BlockPlanes& planes, const SurfaceRay& ray) noexcept
 
 /// The roots on a crossing of a mixed record.
 template <class Visit>
-void visitMixed(const CrossedBlock& block, const SurfaceRay& ray, double isovalue, const Cubic& cubic,
+void visitMixed(const CrossedBlock& block, const RayPart& ray, double isovalue, const Cubic& cubic,
   const OctantCrossing& crossing, const Visit& visit)
 {
   const auto at = [&](const Vec3& place) {
     return onSeam(*block.record, isovalue, crossing.octant, place, placeError(block.planes, ray));
   };
   visitRoots(cubic, at(crossing.from), at(crossing.to), 0., visit);
-}
-
-/// Whether it is nearer than the ray's nearest hit. Of equal hits of neighbours the first block's counts, whatever the
-/// order of visits.
-bool isNearer(double t, std::uint32_t block, const SurfaceRay& ray) noexcept
-{
-  return t < ray.nearest.t || (t == ray.nearest.t && block < ray.nearest.block);
 }
 
 } // namespace
@@ -55,7 +49,7 @@ BlockIntersection::BlockIntersection(const SurfaceBlocks& blocks, const TraceSpa
   }
 }
 
-bool BlockIntersection::start(const Ray& world, double tMin, double tMax, SurfaceRay& ray) const noexcept
+bool BlockIntersection::start(const Ray& world, double tMin, double tMax, RayPart& ray) const noexcept
 {
   const Bounds& domain = space_.domain();
   ray.ray = SlabRay(space_.ray(world));
@@ -72,34 +66,24 @@ bool BlockIntersection::start(const Ray& world, double tMin, double tMax, Surfac
     const double reach = std::abs(ray.ray.origin[a]) + ray.tLeave * std::abs(ray.ray.direction[a]);
     ray.rounding = std::max(ray.rounding, 0x1p-50 * reach);
   }
-  ray.limit = std::numeric_limits<double>::infinity();
-  ray.nearest.t = std::numeric_limits<double>::infinity();
-  ray.nearest.block = SurfaceRay::noBlock;
-  ray.all = nullptr;
-  ray.most = std::numeric_limits<std::size_t>::max();
-  ray.parts = nullptr;
   return true;
 }
 
 void BlockIntersection::add(std::size_t mostHits, RayTile& tile) const noexcept
 {
   const int i = tile.count++;
-  SurfaceRay& ray = tile.rays[i];
-  tile.slabs.set(i, ray.ray);
-  tile.slabs.enter[i] = ray.tEnter;
-  tile.slabs.leave[i] = ray.tLeave;
-  tile.slabs.limit[i] = ray.limit;
-  tile.slabs.rounding[i] = ray.rounding;
+  RayHits& hits = tile.hits[i];
+  hits.clear();
+  tile.rays.limit[i] = hits.limit;
   if (mostHits != 1)
   {
     tile.all[i].clear();
-    ray.all = &tile.all[i];
-    ray.most = mostHits;
+    hits.all = &tile.all[i];
+    hits.most = mostHits;
   }
 }
 
-bool BlockIntersection::meetsExtent(
-  const CrossedBlock& block, std::span<const unsigned> numbers, const SurfaceRay* rays) const noexcept
+bool BlockIntersection::meetsExtent(const CrossedBlock& block, const RayPart& ray, double limit) noexcept
 {
   Vec3 low;
   Vec3 high;
@@ -108,21 +92,17 @@ bool BlockIntersection::meetsExtent(
     low[a] = block.planes.at[a][block.first[a]];
     high[a] = block.planes.at[a][block.end[a]];
   }
-  return std::any_of(numbers.begin(), numbers.end(), [&](unsigned number) {
-    const SurfaceRay& ray = rays[number];
-    double in = ray.tEnter;
-    double out = std::min(ray.tLeave, ray.limit);
-    // A hit may lie on the box: on a seam, where rounding decides.
-    return ray.ray.clip(low, high, in, out) || in - out <= 0x1p-20 * (ray.tLeave - ray.tEnter);
-  });
+  double in = ray.tEnter;
+  double out = std::min(ray.tLeave, limit);
+  // A hit may lie on the box: on a seam, where rounding decides.
+  return ray.ray.clip(low, high, in, out) || in - out <= 0x1p-20 * (ray.tLeave - ray.tEnter);
 }
 
-bool BlockIntersection::open(
-  CrossedBlock& block, std::span<const unsigned> numbers, const SurfaceRay* rays) const
+template <class Misses>
+bool BlockIntersection::open(CrossedBlock& block, const Misses& misses) const
 {
   // To compute values again takes longer than to look whether a ray comes near the surface.
-  if (blocks_.all()[block.number].isNarrowed() && !blocks_.isKept(block.number) &&
-    !meetsExtent(block, numbers, rays))
+  if (blocks_.all()[block.number].isNarrowed() && !blocks_.isKept(block.number) && misses())
   {
     return false;
   }
@@ -132,13 +112,13 @@ bool BlockIntersection::open(
 }
 
 template <class Visit, class GoesOn>
-void BlockIntersection::visitHits(
-  const CrossedBlock& block, const SurfaceRay& ray, const Visit& visit, const GoesOn& goesOn) const
+void BlockIntersection::visitHits(const CrossedBlock& block, const RayPart& ray, const RayHits& hits,
+  const Visit& visit, const GoesOn& goesOn) const
 {
   const SurfaceRecord& record = *block.record;
   // How far from zero a value may be on the seam of two octants that is zero on it.
   const double tolerance = record.tolerance + record.width() * placeError(block.planes, ray);
-  walkBlock(block.planes, record.active, ray.ray, ray.tEnter, ray.tLeave, ray.limit,
+  walkBlock(block.planes, record.active, ray.ray, ray.tEnter, ray.tLeave, hits.limit,
     [&](const OctantCrossing& crossing) {
       for (std::uint32_t surface = 0; surface < blocks_.isovalues().size(); ++surface)
       {
@@ -146,7 +126,7 @@ void BlockIntersection::visitHits(
         const Cubic cubic = alongCrossing(record, isovalue, crossing);
         const auto visitRoot = [&](double s) {
           const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
-          return ray.shows(t) && visit(surface, crossing, s, t);
+          return hits.shows(t) && visit(surface, crossing, s, t);
         };
         if (record.isMixed())
         {
@@ -161,18 +141,18 @@ void BlockIntersection::visitHits(
     });
 }
 
-bool BlockIntersection::nearestInBlock(const CrossedBlock& block, SurfaceRay& ray) const
+bool BlockIntersection::nearestInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const
 {
   bool closer = false;
   visitHits(
-    block, ray,
+    block, ray, hits,
     [&](std::uint32_t surface, const OctantCrossing& crossing, double s, double t) {
-      if (isNearer(t, block.number, ray))
+      if (hits.isNearer(t, block.number))
       {
         closer = true;
-        ray.nearest = { t, {}, {}, surface, block.number, static_cast<std::uint8_t>(crossing.octant) };
-        ray.place = crossing.place(s);
-        ray.limit = t;
+        hits.nearest = { t, {}, {}, surface, block.number, static_cast<std::uint8_t>(crossing.octant) };
+        hits.place = crossing.place(s);
+        hits.limit = t;
       }
       return true;
     },
@@ -180,86 +160,81 @@ bool BlockIntersection::nearestInBlock(const CrossedBlock& block, SurfaceRay& ra
   return closer;
 }
 
-void BlockIntersection::collectInBlock(const CrossedBlock& block, SurfaceRay& ray) const
+void BlockIntersection::collectInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const
 {
   visitHits(
-    block, ray,
+    block, ray, hits,
     [&](std::uint32_t surface, const OctantCrossing& crossing, double s, double t) {
-      ray.all->push_back({ t, {}, {}, surface, block.number, static_cast<std::uint8_t>(crossing.octant) });
-      setGradients(block, crossing.place(s), ray.all->back());
+      hits.all->push_back({ t, {}, {}, surface, block.number, static_cast<std::uint8_t>(crossing.octant) });
+      setGradients(block, crossing.place(s), hits.all->back());
       return false;
     },
     [] { return true; });
 }
 
+bool BlockIntersection::intersect(std::uint32_t number, const RayPart& ray, RayHits& hits) const
+{
+  CrossedBlock block(space_, blocks_.all()[number], number);
+  if (blocks_.all()[number].isEmpty() || !open(block, [&] { return !meetsExtent(block, ray, hits.limit); }))
+  {
+    return false;
+  }
+  if (hits.all)
+  {
+    collectInBlock(block, ray, hits);
+    return false;
+  }
+  return nearestInBlock(block, ray, hits);
+}
+
 std::uint32_t BlockIntersection::intersect(
-  std::uint32_t number, std::span<const unsigned> numbers, SurfaceRay* rays, RayTile* tile) const
+  std::uint32_t number, int first, std::uint32_t wanted, RayTile& tile) const
 {
   if (blocks_.all()[number].isEmpty())
   {
     return 0;
   }
-  if (!tile)
-  {
-    CrossedBlock block(space_, blocks_.all()[number], number);
-    std::uint32_t nearer = 0;
-    if (open(block, numbers, rays))
+  OctantCandidates& candidates = tile.candidates;
+  candidates.blocks[candidates.blockCount++] = CrossedBlock(space_, blocks_.all()[number], number);
+  CrossedBlock& block = candidates.last();
+  const auto misses = [&] {
+    for (std::uint32_t rest = wanted; rest != 0; rest &= rest - 1)
     {
-      for (std::size_t i = 0; i < numbers.size(); ++i)
+      const int ray = first + std::countr_zero(rest);
+      if (meetsExtent(block, tile.rays.at(ray), tile.rays.limit[ray]))
       {
-        SurfaceRay& ray = rays[numbers[i]];
-        if (ray.all)
-        {
-          collectInBlock(block, ray);
-        }
-        else if (nearestInBlock(block, ray))
-        {
-          nearer |= 1u << i;
-        }
+        return false;
       }
     }
-    return nearer;
-  }
-
-  OctantCandidates& candidates = tile->candidates;
-  candidates.blocks[candidates.blockCount++] = CrossedBlock(space_, blocks_.all()[number], number);
-  if (!open(candidates.last(), numbers, rays))
+    return true;
+  };
+  if (!open(block, misses))
   {
     --candidates.blockCount;
     return 0;
   }
-  for (std::size_t i = 0; i < numbers.size();)
-  {
-    std::size_t run = 1; // of rays side by side
-    while (
-      i + run < numbers.size() && run < OctantCandidates::mostRays && numbers[i + run] == numbers[i] + run)
-    {
-      ++run;
-    }
-    cross(*tile, static_cast<int>(numbers[i]), static_cast<int>(run));
-    i += run;
-  }
+  cross(tile, first, wanted);
   candidates.dropEmptyBlock();
   // Those of all layers wait until there are many, unless the next block takes the place of the values.
-  if (!tile->rays[numbers[0]].all || candidates.count >= OctantCandidates::enough || !blocks_.isKept(number))
+  if (!tile.hits[first].all || candidates.count >= OctantCandidates::enough || !blocks_.isKept(number))
   {
-    takeCandidates(*tile);
+    takeCandidates(tile);
     candidates.blockCount = 0;
   }
   std::uint32_t nearer = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i)
+  for (std::uint32_t rest = wanted; rest != 0; rest &= rest - 1)
   {
-    SurfaceRay& ray = rays[numbers[i]];
-    if (tile->slabs.limit[numbers[i]] < ray.limit)
+    const int i = std::countr_zero(rest);
+    if (tile.rays.limit[first + i] < tile.hits[first + i].limit)
     {
-      ray.limit = tile->slabs.limit[numbers[i]];
+      tile.hits[first + i].limit = tile.rays.limit[first + i];
       nearer |= 1u << i;
     }
   }
   return nearer;
 }
 
-void BlockIntersection::cross(RayTile& tile, int first, int count) const
+void BlockIntersection::cross(RayTile& tile, int first, std::uint32_t wanted) const
 {
   const std::span<const double> isovalues = blocks_.isovalues();
   constexpr std::size_t together = OctantCandidates::mostIsovalues;
@@ -270,8 +245,8 @@ void BlockIntersection::cross(RayTile& tile, int first, int count) const
       takeCandidates(tile);
       tile.candidates.keepLastBlock();
     }
-    crossBlock(isovalues.subspan(s, std::min(together, isovalues.size() - s)), static_cast<int>(s),
-      tile.slabs, first, count, tile.candidates);
+    crossBlock(isovalues.subspan(s, std::min(together, isovalues.size() - s)), static_cast<int>(s), tile.rays,
+      first, wanted, tile.candidates);
   }
 }
 
@@ -283,7 +258,7 @@ void BlockIntersection::takeCandidates(RayTile& tile) const
     return;
   }
   const CandidateRoots& roots = tile.roots;
-  const bool firstOnly = !tile.rays[candidates.ray(0)].all && tile.parts.empty();
+  const bool firstOnly = !tile.hits[candidates.ray(0)].all && tile.parts.empty();
   findRoots(candidates, firstOnly, tile.roots);
   for (int i = 0; i < roots.count; ++i)
   {
@@ -297,7 +272,7 @@ void BlockIntersection::takeCandidates(RayTile& tile) const
     const CrossedBlock& block = candidates.block(i);
     if (block.record->isMixed())
     {
-      const SurfaceRay& ray = tile.rays[candidates.ray(i)];
+      const RayPart ray = tile.rays.at(candidates.ray(i));
       const OctantCrossing crossing(
         block.planes, ray.ray, candidates.octant(i), candidates.t0[i], candidates.t1[i]);
       visitMixed(block, ray, blocks_.isovalues()[candidates.isovalue(i)], candidates.along(i), crossing,
@@ -315,23 +290,23 @@ void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double 
 {
   const OctantCandidates& candidates = tile.candidates;
   const int number = candidates.ray(candidate);
-  SurfaceRay& ray = tile.rays[number];
-  if (!ray.shows(t))
+  RayHits& hits = tile.hits[number];
+  if (!hits.shows(t))
   {
     return;
   }
   const CrossedBlock& block = candidates.block(candidate);
   const SurfaceHit hit{ t, {}, {}, candidates.isovalue(candidate), block.number,
     candidates.octant(candidate) };
-  if (ray.all)
+  if (hits.all)
   {
     addPlace(tile, number, block, candidates.place(candidate, s), hit);
   }
-  else if (isNearer(t, block.number, ray))
+  else if (hits.isNearer(t, block.number))
   {
-    ray.nearest = hit;
-    ray.place = candidates.place(candidate, s);
-    tile.slabs.limit[number] = t;
+    hits.nearest = hit;
+    hits.place = candidates.place(candidate, s);
+    tile.rays.limit[number] = t;
   }
 }
 
@@ -359,20 +334,20 @@ void BlockIntersection::takePlaces(RayTile& tile) const
       hit.normal[a] = static_cast<float>(tile.places.normal[a][i]);
     }
     const int number = tile.placed[i].ray;
-    SurfaceRay& ray = tile.rays[number];
-    if (!ray.all)
+    RayHits& hits = tile.hits[number];
+    if (!hits.all)
     {
-      ray.nearest = hit;
+      hits.nearest = hit;
       continue;
     }
-    ray.all->push_back(hit);
+    hits.all->push_back(hit);
     // Not at every hit: to sort them takes time.
-    if (ray.all->size() / 2 >= ray.most)
+    if (hits.all->size() / 2 >= hits.most)
     {
-      sort(ray);
-      if (ray.all->size() == ray.most)
+      sort(tile.rays.directionOf(number), hits);
+      if (hits.all->size() == hits.most)
       {
-        tile.slabs.limit[number] = ray.all->back().t;
+        tile.rays.limit[number] = hits.all->back().t;
       }
     }
   }
@@ -385,14 +360,14 @@ void BlockIntersection::finish(RayTile& tile) const
   tile.candidates.blockCount = 0;
   for (int number = 0; number < tile.count; ++number)
   {
-    const SurfaceRay& ray = tile.rays[number];
-    if (ray.all)
+    const RayHits& hits = tile.hits[number];
+    if (hits.all)
     {
-      sort(ray);
+      sort(tile.rays.directionOf(number), hits);
     }
-    else if (ray.hasHit())
+    else if (hits.any())
     {
-      addPlace(tile, number, opened(ray.nearest.block), ray.place, ray.nearest);
+      addPlace(tile, number, opened(hits.nearest.block), hits.place, hits.nearest);
     }
   }
   takePlaces(tile);
@@ -419,14 +394,14 @@ CrossedBlock BlockIntersection::opened(std::uint32_t number) const
   return block;
 }
 
-SurfaceHit BlockIntersection::nearest(const SurfaceRay& ray) const
+SurfaceHit BlockIntersection::nearest(const RayHits& hits) const
 {
-  SurfaceHit hit = ray.nearest;
-  setGradients(opened(hit.block), ray.place, hit);
+  SurfaceHit hit = hits.nearest;
+  setGradients(opened(hit.block), hits.place, hit);
   return hit;
 }
 
-void BlockIntersection::sort(const SurfaceRay& ray) const
+void BlockIntersection::sort(const Vec3& d, const RayHits& ray) const
 {
   std::vector<SurfaceHit>& hits = *ray.all;
   // They come nearly sorted.
@@ -441,7 +416,6 @@ void BlockIntersection::sort(const SurfaceRay& ray) const
       std::rotate(at, hits.begin() + i, hits.begin() + i + 1);
     }
   }
-  const Vec3& d = ray.ray.direction;
   const double speed = std::max({ std::abs(d[0]), std::abs(d[1]), std::abs(d[2]) });
   std::size_t kept = 0;
   for (const SurfaceHit& hit : hits)

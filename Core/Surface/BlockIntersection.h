@@ -10,29 +10,38 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
 namespace treeamr
 {
 
-/// A ray on its way through the blocks.
-struct SurfaceRay
+/// What a ray on its way through the blocks looks for, and has found.
+struct RayHits
 {
   static constexpr std::uint32_t noBlock = std::numeric_limits<std::uint32_t>::max();
 
-  SlabRay ray;   // in TraceSpace
-  double tEnter; // of the domain, or of what is asked about
-  double tLeave;
-  double rounding; // bound of the error of a place along the ray
-  double limit;    // hits beyond are not wanted
+  double limit; // hits beyond are not wanted
   SurfaceHit nearest;
   Vec3 place;                   // of the nearest hit in its octant
   std::vector<SurfaceHit>* all; // null: only the nearest hit is wanted
   std::size_t most;             // of all, that are wanted
   const RayParts* parts;        // hits outside do not count; null: all do
 
-  bool hasHit() const noexcept { return nearest.block != noBlock; }
+  void clear() noexcept
+  {
+    limit = nearest.t = std::numeric_limits<double>::infinity();
+    nearest.block = noBlock;
+    all = nullptr;
+    most = std::numeric_limits<std::size_t>::max();
+    parts = nullptr;
+  }
+  bool any() const noexcept { return nearest.block != noBlock; }
+  /// Whether one is nearer than the nearest. Of equal hits of neighbours the first block's counts, whatever the order
+  /// of visits.
+  bool isNearer(double t, std::uint32_t block) const noexcept
+  {
+    return t < nearest.t || (t == nearest.t && block < nearest.block);
+  }
   bool shows(double t) const noexcept
   {
     if (!parts)
@@ -59,10 +68,10 @@ struct RayTile
   static_assert(most == SlabRays::most && packet * packet == OctantCandidates::mostRays);
 
   int count = 0;
-  std::array<SurfaceRay, most> rays;
+  SlabRays rays;
+  std::array<RayHits, most> hits;
   std::array<std::vector<SurfaceHit>, most> all;
   std::vector<RayParts> parts; // of the rays, where stops cut them
-  SlabRays slabs;              // of the rays
   OctantCandidates candidates;
   CandidateRoots roots;
   HitPlaces places;
@@ -93,19 +102,21 @@ public:
   const SurfaceBlocks& blocks() const noexcept { return blocks_; }
   const TraceSpace& space() const noexcept { return space_; }
 
-  /// Starts a ray in [tMin, tMax]; false when it misses the domain.
-  bool start(const Ray& world, double tMin, double tMax, SurfaceRay& ray) const noexcept;
-  /// Adds the tile's next ray, which has been started; mostHits: that are wanted of it.
+  /// The part of a ray in [tMin, tMax] that is in the domain; false when it misses it.
+  bool start(const Ray& world, double tMin, double tMax, RayPart& ray) const noexcept;
+  /// Adds to a tile the ray that is its next one; mostHits: that are wanted of it.
   void add(std::size_t mostHits, RayTile& tile) const noexcept;
 
-  /// Finds hits of some rays in a block: bit i of the result says that the limit of rays[numbers[i]] has come nearer.
-  /// tile: whose the rays are, if it is. Throws when there is no memory for vertex values.
-  std::uint32_t intersect(
-    std::uint32_t block, std::span<const unsigned> numbers, SurfaceRay* rays, RayTile* tile) const;
+  /// Finds hits of a ray in a block: whether the nearest is now there. Throws when there is no memory for vertex
+  /// values, as the next does.
+  bool intersect(std::uint32_t block, const RayPart& ray, RayHits& hits) const;
+  /// The same for those of the 16 rays from the first on whose bits are set: whose limits have come nearer.
+  std::uint32_t intersect(std::uint32_t block, int first, std::uint32_t wanted, RayTile& tile) const;
+
   /// The nearest hit of a ray that has been through all blocks; it has one.
-  SurfaceHit nearest(const SurfaceRay& ray) const;
+  SurfaceHit nearest(const RayHits& hits) const;
   /// Sorts all hits of such a ray, each once, and leaves the nearest that are wanted.
-  void sort(const SurfaceRay& ray) const;
+  void sort(const Vec3& direction, const RayHits& hits) const;
   /// Ends the hits of a tile whose rays have been through all blocks.
   void finish(RayTile& tile) const;
 
@@ -114,21 +125,20 @@ public:
   Vec3 unit() const noexcept { return { space_.width(0), space_.width(1), space_.width(2) }; }
 
 private:
-  bool meetsExtent(
-    const CrossedBlock& block, std::span<const unsigned> numbers, const SurfaceRay* rays) const noexcept;
-  /// Looks its values up; false when none of the rays can have a hit.
-  bool open(CrossedBlock& block, std::span<const unsigned> numbers, const SurfaceRay* rays) const;
-  bool nearestInBlock(const CrossedBlock& block, SurfaceRay& ray) const;
-  void collectInBlock(const CrossedBlock& block, SurfaceRay& ray) const;
+  static bool meetsExtent(const CrossedBlock& block, const RayPart& ray, double limit) noexcept;
+  /// Looks its values up, unless none of the rays, of which misses() tells, can have a hit.
+  template <class Misses>
+  bool open(CrossedBlock& block, const Misses& misses) const;
+  bool nearestInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const;
+  void collectInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const;
   void setGradients(const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const noexcept;
   template <class Visit, class GoesOn>
-  void visitHits(
-    const CrossedBlock& block, const SurfaceRay& ray, const Visit& visit, const GoesOn& goesOn) const;
-
+  void visitHits(const CrossedBlock& block, const RayPart& ray, const RayHits& hits, const Visit& visit,
+    const GoesOn& goesOn) const;
   CrossedBlock opened(std::uint32_t number) const;
 
-  /// Adds what `count` rays from the first on may hit in the last block of the candidates.
-  void cross(RayTile& tile, int first, int count) const;
+  /// Adds what some of the 16 rays from the first on may hit in the last block of the candidates.
+  void cross(RayTile& tile, int first, std::uint32_t wanted) const;
   /// Finds the roots of the candidates that there are.
   void takeCandidates(RayTile& tile) const;
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;

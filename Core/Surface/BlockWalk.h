@@ -80,7 +80,7 @@ struct BlockPlanes
 {
   std::array<std::array<double, 5>, 3> at;
   std::array<std::array<double, 4>, 3> inverseWidth; // of the octants between them
-  bool isUniform;                                    // then widths are powers of 2 and planes multiples of them
+  bool isUniform; // then widths are powers of 2 and planes multiples of them
 
   BlockPlanes() noexcept = default;
   BlockPlanes(const TraceSpace& space, const SurfaceBlock& block) noexcept

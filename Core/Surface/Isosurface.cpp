@@ -93,8 +93,6 @@ public:
     return parts;
   }
 
-  const Camera& camera() const noexcept { return camera_; }
-
 private:
   const Camera& camera_;
   const RayStops& stops_;
@@ -182,27 +180,31 @@ struct Isosurface::Impl
   {
   }
 
-  bool start(const Ray& world, double tMin, double tMax, SurfaceRay& ray) const noexcept
+  /// Adds a ray to a tile, of whose parts the hits count; false when it meets nothing.
+  bool add(const Ray& ray, const RayParts& parts, std::size_t mostHits, RayTile& tile) const
   {
-    return intersection.start(world, tMin, tMax, ray) && hierarchy.reaches(ray);
-  }
-  /// The tile's next ray; false when it sees nothing.
-  bool start(const ImageRays& rays, int x, int y, RayTile& tile) const
-  {
-    const Ray world = rays.camera().ray(x, y);
-    const RayParts parts = rays.parts(world, x, y);
-    SurfaceRay& ray = tile.rays[tile.count];
-    if (parts.count == 0 || !start(world, parts.begin[0], parts.end[parts.count - 1], ray))
+    RayPart part;
+    const int i = tile.count;
+    if (parts.count == 0 || !intersection.start(ray, parts.begin[0], parts.end[parts.count - 1], part) ||
+      !hierarchy.enter(part, i, tile.rays))
     {
       return false;
     }
+    intersection.add(mostHits, tile);
     if (parts.count > 1)
     {
       tile.parts.resize(RayTile::most);
-      tile.parts[tile.count] = parts;
-      ray.parts = &tile.parts[tile.count];
+      tile.parts[i] = parts;
+      tile.hits[i].parts = &tile.parts[i];
     }
     return true;
+  }
+  RayTile& tile()
+  {
+    std::unique_ptr<RayTile>& own = tiles.local();
+    own = own ? std::move(own) : std::make_unique<RayTile>();
+    own->clear();
+    return *own;
   }
 };
 
@@ -256,40 +258,54 @@ std::uint64_t Isosurface::octantCount() const
 void Isosurface::startFrame() const
 {
   impl_->blocks.startFrame();
+  this->tighten();
+}
+
+void Isosurface::tighten() const
+{
   impl_->hierarchy.update();
 }
 
 bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const
 {
-  SurfaceRay r;
-  if (!impl_->start(ray, tMin, tMax, r))
+  RayPart part;
+  RayHits hits;
+  hits.clear();
+  if (impl_->intersection.start(ray, tMin, tMax, part))
   {
-    return false;
+    impl_->hierarchy.intersect(part, hits);
   }
-  impl_->hierarchy.intersect(r);
-  if (r.hasHit())
+  if (hits.any())
   {
-    hit = impl_->intersection.nearest(r);
+    hit = impl_->intersection.nearest(hits);
   }
-  return r.hasHit();
+  return hits.any();
 }
 
-void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const
+void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& all) const
 {
+  all.clear();
+  RayPart part;
+  RayHits hits;
   hits.clear();
-  SurfaceRay r;
-  if (impl_->start(ray, tMin, tMax, r))
+  hits.all = &all;
+  if (impl_->intersection.start(ray, tMin, tMax, part))
   {
-    r.all = &hits;
-    impl_->hierarchy.intersect(r);
-    impl_->intersection.sort(r);
+    impl_->hierarchy.intersect(part, hits);
+    impl_->intersection.sort(part.ray.direction, hits);
   }
 }
 
 bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
 {
-  SurfaceRay r;
-  return impl_->start(ray, tMin, tMax, r) && impl_->hierarchy.occluded(r);
+  RayPart part;
+  RayHits hits;
+  hits.clear();
+  if (impl_->intersection.start(ray, tMin, tMax, part))
+  {
+    impl_->hierarchy.occluded(part, hits);
+  }
+  return hits.any();
 }
 
 void Isosurface::render(
@@ -308,18 +324,17 @@ void Isosurface::render(const Camera& camera, const RayStops& stops, SurfaceLaye
   std::vector<std::vector<SurfaceHit>> parts(tiles.count());
   image.first.assign(tiles.pixels() + 1, 0);
   tiles.forAll([&](int i, int j) {
-    std::unique_ptr<RayTile>& own = impl_->tiles.local();
-    own = own ? std::move(own) : std::make_unique<RayTile>();
-    RayTile& tile = *own;
-    tile.clear();
+    RayTile& tile = impl_->tile();
     std::array<std::size_t, RayTile::most> pixelOf;
     const bool mayMiss = rays.mayMiss(i * RayTile::size, j * RayTile::size, RayTile::size);
     tiles.forPixels(i, j, [&](int x, int y, std::size_t pixel) {
-      if (!(mayMiss && rays.miss(x, y)) && impl_->start(rays, x, y, tile))
+      if (mayMiss && rays.miss(x, y))
       {
-        pixelOf[tile.count] = pixel;
-        impl_->intersection.add(most, tile);
+        return;
       }
+      pixelOf[tile.count] = pixel;
+      const Ray ray = camera.ray(x, y);
+      impl_->add(ray, rays.parts(ray, x, y), most, tile);
     });
     if (tile.count != 0)
     {
@@ -329,15 +344,15 @@ void Isosurface::render(const Camera& camera, const RayStops& stops, SurfaceLaye
     std::vector<SurfaceHit>& found = parts[tiles.number(i, j)];
     for (int k = 0; k < tile.count; ++k)
     {
-      const SurfaceRay& ray = tile.rays[k];
+      const RayHits& hits = tile.hits[k];
       const std::size_t before = found.size();
-      if (ray.all)
+      if (hits.all)
       {
-        found.insert(found.end(), ray.all->begin(), ray.all->end());
+        found.insert(found.end(), hits.all->begin(), hits.all->end());
       }
-      else if (ray.hasHit())
+      else if (hits.any())
       {
-        found.push_back(ray.nearest);
+        found.push_back(hits.nearest);
       }
       image.first[pixelOf[k] + 1] = found.size() - before;
     }

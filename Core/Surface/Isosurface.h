@@ -83,6 +83,8 @@ public:
   /// short, and draws the hierarchy tighter around the surfaces as rays have come to know them. No hit
   /// depends on it. Throws Error when Embree fails; then there are no hits.
   void startFrame() const;
+  /// The latter alone, before many rays that are no frame.
+  void tighten() const;
 
   /// First hit along the ray with t in [tMin, tMax]; false: none. Safe from several threads, as all queries.
   bool intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const;

@@ -6,10 +6,13 @@
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace treeamr
 {
@@ -73,10 +76,13 @@ Start startOf(const Isosurface& surface, const SurfaceFrame& frame, const Ray& r
 class EvenPoints
 {
 public:
-  EvenPoints(int x, int y) noexcept
+  static constexpr std::uint32_t patterns = 16;
+  static std::uint32_t patternOf(int x, int y) noexcept
   {
-    const std::uint32_t inPattern =
-      (static_cast<std::uint32_t>(x) + 4u * static_cast<std::uint32_t>(y)) % 16u;
+    return (static_cast<std::uint32_t>(x) + 4u * static_cast<std::uint32_t>(y)) % patterns;
+  }
+  explicit EvenPoints(std::uint32_t inPattern) noexcept
+  {
     startU_ = inPattern * sixteenth + sixteenth / 2;
     startV_ = 5u * inPattern * sixteenth + sixteenth / 2; // modulo 1
   }
@@ -104,6 +110,26 @@ std::array<Vec3, 2> tangents(const Vec3& n) noexcept
     { b, sign + n[1] * n[1] * a, -n[1] } } };
 }
 
+/// Directions of the rays [first, end) above the plane of the first two components, by cosine, for each pattern in turn.
+std::vector<Vec3> cosineDirections(int first, int end)
+{
+  std::vector<Vec3> directions;
+  for (std::uint32_t pattern = 0; pattern < EvenPoints::patterns; ++pattern)
+  {
+    const EvenPoints points(pattern);
+    for (int k = first; k < end; ++k)
+    {
+      double u;
+      double v;
+      points.at(static_cast<std::uint32_t>(k), u, v);
+      const double angle = 2. * std::numbers::pi * v;
+      directions.push_back(
+        { std::sqrt(u) * std::cos(angle), std::sqrt(u) * std::sin(angle), std::sqrt(1. - u) });
+    }
+  }
+  return directions;
+}
+
 } // namespace
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
@@ -114,20 +140,17 @@ void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, cons
     throw Error("ambient occlusion: " + std::to_string(open.size()) + " counts of open rays for " +
       std::to_string(hits.hits.size()) + " hits");
   }
+  surface.tighten();
   const SurfaceFrame frame(camera.worldFromData());
+  const std::vector<Vec3> directions = cosineDirections(first, end);
+  const auto count = static_cast<std::size_t>(std::max(0, end - first));
   forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
     const std::array<Vec3, 2> across = tangents(start.normalWorld);
-    const EvenPoints points(x, y);
-    for (int k = first; k < end; ++k)
+    const Vec3* const own = directions.data() + count * EvenPoints::patternOf(x, y);
+    for (std::size_t k = 0; k < count; ++k)
     {
-      double u;
-      double v;
-      points.at(static_cast<std::uint32_t>(k), u, v);
-      const double angle = 2. * std::numbers::pi * v;
-      const double along = std::sqrt(1. - u);
-      const double s = std::sqrt(u) * std::cos(angle);
-      const double t = std::sqrt(u) * std::sin(angle);
+      const auto& [s, t, along] = own[k];
       Vec3 direction;
       for (int a = 0; a < 3; ++a)
       {
@@ -142,6 +165,7 @@ void traceShadows(const Isosurface& surface, const Camera& camera, const HitImag
   const std::vector<Light>& lights, std::vector<std::uint8_t>& lit)
 {
   lit.assign(hits.hits.size() * lights.size(), 1);
+  surface.tighten();
   const SurfaceFrame frame(camera.worldFromData());
   forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);

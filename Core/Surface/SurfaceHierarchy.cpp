@@ -9,11 +9,14 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <exception>
 #include <new>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -35,31 +38,44 @@ double seconds(std::chrono::steady_clock::time_point from)
 }
 
 /// Embree's parameter of a ray is 0 where it enters the domain and 1 where it leaves.
-float parameterOf(const SurfaceRay& ray, double t) noexcept
+float parameterOf(double tEnter, double tLeave, double t) noexcept
 {
-  return static_cast<float>((t - ray.tEnter) / (ray.tLeave - ray.tEnter)) + embreeRounding;
+  return static_cast<float>((t - tEnter) / (tLeave - tEnter)) + embreeRounding;
 }
 
-/// Rays passed through Embree: a ray's id is its number.
+#if TREEAMR_EMBREE >= 4
+using Context = RTCRayQueryContext;
+#else
+using Context = RTCIntersectContext;
+#endif
+
+/// A single ray, or those of a tile by their ids, passed through Embree.
 struct Query
 {
-#if TREEAMR_EMBREE >= 4
-  RTCRayQueryContext context; // first: Embree hands back a pointer to it
-#else
-  RTCIntersectContext context; // first: Embree hands back a pointer to it
-#endif
-  SurfaceRay* rays;
+  Context context; // first: Embree hands back a pointer to it
+  const RayPart* ray = nullptr;
+  RayHits* hits = nullptr;
   RayTile* tile = nullptr;
   std::exception_ptr failure; // of a callback: Embree would drop it with the rest of the hits
 
-  explicit Query(SurfaceRay* some)
-    : rays(some)
+  Query()
   {
 #if TREEAMR_EMBREE >= 4
     rtcInitRayQueryContext(&context);
 #else
     rtcInitIntersectContext(&context);
 #endif
+  }
+  Query(const RayPart& one, RayHits& of)
+    : Query()
+  {
+    ray = &one;
+    hits = &of;
+  }
+  explicit Query(RayTile& some)
+    : Query()
+  {
+    tile = &some;
   }
   void rethrow() const
   {
@@ -68,15 +84,15 @@ struct Query
       std::rethrow_exception(failure);
     }
   }
-  void intersect(RTCScene scene, RTCRayHit& ray)
+  void intersect(RTCScene scene, RTCRayHit& rayHit)
   {
 #if TREEAMR_EMBREE >= 4
     RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     arguments.context = &context;
-    rtcIntersect1(scene, &ray, &arguments);
+    rtcIntersect1(scene, &rayHit, &arguments);
 #else
-    rtcIntersect1(scene, &context, &ray);
+    rtcIntersect1(scene, &context, &rayHit);
 #endif
   }
   void intersect(RTCScene scene, const int* valid, RTCRayHit16& rayHits)
@@ -187,30 +203,44 @@ struct SurfaceHierarchy::Impl
     }
   }
 
-  /// Calls visit(query, numbers of rays) for the rays that Embree asks about, and reply(i, ray) for those whose bits
-  /// are set in what it returns; i: Embree's.
-  template <class Args, class Visit, class Reply>
-  static void ask(const Args* args, RTCRayN* rays, const Visit& visit, const Reply& reply) noexcept
+  /// Finds hits of the rays that Embree asks about; reply(i, part of the ray, limit) for those whose limits have come
+  /// nearer; i: Embree's.
+  template <class Args, class Reply>
+  static void ask(const Args* args, RTCRayN* rays, const Reply& reply) noexcept
   {
+    const BlockIntersection& intersection = static_cast<const Impl*>(args->geometryUserPtr)->intersection;
     Query& query = *reinterpret_cast<Query*>(args->context);
-    std::array<unsigned, packetRays> numbers;
-    std::array<unsigned, packetRays> places;
-    std::size_t count = 0;
-    for (unsigned i = 0; i < args->N && count < numbers.size(); ++i)
-    {
-      if (args->valid[i] != 0)
-      {
-        places[count] = i;
-        numbers[count++] = RTCRayN_id(rays, args->N, i);
-      }
-    }
     try
     {
-      std::uint32_t changed = visit(query, std::span<const unsigned>(numbers.data(), count));
-      for (; changed != 0; changed &= changed - 1)
+      if (!query.tile)
       {
-        const int k = std::countr_zero(changed);
-        reply(places[k], query.rays[numbers[k]]);
+        if (args->valid[0] != 0 && intersection.intersect(args->primID, *query.ray, *query.hits))
+        {
+          reply(0, query.ray->tEnter, query.ray->tLeave, query.hits->limit);
+        }
+        return;
+      }
+      // All of one packet, in the order of their ids or less than that.
+      std::uint32_t wanted = 0;
+      std::array<unsigned, packetRays> place;
+      unsigned id = 0;
+      for (unsigned i = 0; i < args->N; ++i)
+      {
+        if (args->valid[i] != 0)
+        {
+          id = RTCRayN_id(rays, args->N, i);
+          wanted |= 1u << id % packetRays;
+          place[id % packetRays] = i;
+        }
+      }
+      const unsigned first = id - id % packetRays;
+      std::uint32_t nearer =
+        intersection.intersect(args->primID, static_cast<int>(first), wanted, *query.tile);
+      for (; nearer != 0; nearer &= nearer - 1)
+      {
+        const int k = std::countr_zero(nearer);
+        const SlabRays& parts = query.tile->rays;
+        reply(place[k], parts.enter[first + k], parts.leave[first + k], parts.limit[first + k]);
       }
     }
     catch (...)
@@ -221,28 +251,17 @@ struct SurfaceHierarchy::Impl
 
   static void intersectBlock(const RTCIntersectFunctionNArguments* args) noexcept
   {
-    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
-    ask(
-      args, rays,
-      [&](Query& query, std::span<const unsigned> numbers) {
-        return self.intersection.intersect(args->primID, numbers, query.rays, query.tile);
-      },
-      [&](
-        unsigned i, const SurfaceRay& ray) { RTCRayN_tfar(rays, args->N, i) = parameterOf(ray, ray.limit); });
+    ask(args, rays, [&](unsigned i, double tEnter, double tLeave, double limit) {
+      RTCRayN_tfar(rays, args->N, i) = parameterOf(tEnter, tLeave, limit);
+    });
   }
 
   static void occludeBlock(const RTCOccludedFunctionNArguments* args) noexcept
   {
-    const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    ask(
-      args, args->ray,
-      [&](Query& query, std::span<const unsigned> numbers) {
-        return self.intersection.intersect(args->primID, numbers, query.rays, nullptr);
-      },
-      [&](unsigned i, const SurfaceRay&) {
-        RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
-      });
+    ask(args, args->ray, [&](unsigned i, double, double, double) {
+      RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+    });
   }
 
   void build()
@@ -285,31 +304,64 @@ struct SurfaceHierarchy::Impl
     }
   }
 
-  /// In Embree's unit cube; false: see reaches().
-  bool find(
-    const SurfaceRay& ray, std::array<float, 3>& origin, std::array<float, 3>& direction) const noexcept
+  /// In Embree's unit cube; false: see enter().
+  bool find(const RayPart& part, std::array<float, 3>& origin, std::array<float, 3>& direction) const noexcept
   {
     for (int a = 0; a < 3; ++a)
     {
       origin[a] = static_cast<float>(
-        (ray.ray.origin[a] + ray.tEnter * ray.ray.direction[a] - domain.min[a]) * perExtent[a]);
-      direction[a] = static_cast<float>(ray.ray.direction[a] * (ray.tLeave - ray.tEnter) * perExtent[a]);
-      constexpr float aroundCube = 4.f;
-      if (!(std::abs(origin[a]) + std::abs(direction[a]) <= aroundCube)) // Embree may abort
+        (part.ray.origin[a] + part.tEnter * part.ray.direction[a] - domain.min[a]) * perExtent[a]);
+      direction[a] = static_cast<float>(part.ray.direction[a] * (part.tLeave - part.tEnter) * perExtent[a]);
+      if (!(std::abs(origin[a]) + std::abs(direction[a]) <= SurfaceHierarchy::aroundUnitCube))
       {
         return false;
       }
     }
-    return true;
+    return scene != nullptr;
   }
 
-  RTCRay single(const SurfaceRay& ray) const noexcept
+  bool find(const RayPart& part, RTCRay& ray) const noexcept
   {
-    std::array<float, 3> origin;
-    std::array<float, 3> direction;
-    find(ray, origin, direction);
-    return { origin[0], origin[1], origin[2], 0.f, direction[0], direction[1], direction[2], 0.f,
-      1.f + embreeRounding, 0xffffffffu, 0, 0 };
+    std::array<float, 3> o;
+    std::array<float, 3> d;
+    const bool found = find(part, o, d);
+    ray = { o[0], o[1], o[2], 0.f, d[0], d[1], d[2], 0.f, 1.f + embreeRounding, 0xffffffffu, 0, 0 };
+    return found;
+  }
+
+  /// 16 rays of a tile from the first on.
+  static void fill(const RayTile& tile, int first, RTCRay16& rays) noexcept
+  {
+    const auto copy = [first](const SlabRays::FloatComponent& from, float* to) {
+      std::copy_n(from.data() + first, packetRays, to);
+    };
+    copy(tile.rays.unitOrigin[0], rays.org_x);
+    copy(tile.rays.unitOrigin[1], rays.org_y);
+    copy(tile.rays.unitOrigin[2], rays.org_z);
+    copy(tile.rays.unitDirection[0], rays.dir_x);
+    copy(tile.rays.unitDirection[1], rays.dir_y);
+    copy(tile.rays.unitDirection[2], rays.dir_z);
+    std::fill_n(rays.tnear, packetRays, 0.f);
+    std::fill_n(rays.tfar, packetRays, 1.f + embreeRounding);
+    std::fill_n(rays.time, packetRays, 0.f);
+    std::fill_n(rays.mask, packetRays, 0xffffffffu);
+    std::fill_n(rays.flags, packetRays, 0u);
+    std::iota(rays.id, rays.id + packetRays, static_cast<unsigned>(first));
+  }
+
+  /// Calls body(valid, first) for packets of a tile's rays.
+  template <class Body>
+  static void forPackets(const RayTile& tile, const Body& body)
+  {
+    for (int first = 0; first < tile.count; first += packetRays)
+    {
+      alignas(64) int valid[packetRays];
+      for (int i = 0; i < packetRays; ++i)
+      {
+        valid[i] = first + i < tile.count ? -1 : 0;
+      }
+      body(valid, first);
+    }
   }
 };
 
@@ -365,66 +417,53 @@ double SurfaceHierarchy::seconds() const noexcept
   return impl_->seconds;
 }
 
-bool SurfaceHierarchy::reaches(const SurfaceRay& ray) const noexcept
+bool SurfaceHierarchy::enter(const RayPart& part, int i, SlabRays& rays) const noexcept
 {
   std::array<float, 3> origin;
   std::array<float, 3> direction;
-  return impl_->scene && impl_->find(ray, origin, direction);
-}
-
-void SurfaceHierarchy::intersect(SurfaceRay& ray) const
-{
-  RTCRayHit hit;
-  hit.ray = impl_->single(ray);
-  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  Query query(&ray);
-  query.intersect(impl_->scene, hit);
-  query.rethrow();
-}
-
-void SurfaceHierarchy::intersect(RayTile& tile) const
-{
-  Query query(tile.rays.data());
-  query.tile = &tile;
-  for (int first = 0; first < tile.count; first += packetRays)
+  const bool found = impl_->find(part, origin, direction);
+  rays.set(i, part);
+  for (int a = 0; a < 3; ++a)
   {
-    alignas(64) int valid[packetRays];
-    RTCRayHit16 packet;
-    for (int i = 0; i < packetRays; ++i)
-    {
-      valid[i] = first + i < tile.count ? -1 : 0;
-      std::array<float, 3> origin{};
-      std::array<float, 3> direction{};
-      if (valid[i] != 0)
-      {
-        impl_->find(tile.rays[first + i], origin, direction);
-      }
-      packet.ray.org_x[i] = origin[0];
-      packet.ray.org_y[i] = origin[1];
-      packet.ray.org_z[i] = origin[2];
-      packet.ray.tnear[i] = 0.f;
-      packet.ray.dir_x[i] = direction[0];
-      packet.ray.dir_y[i] = direction[1];
-      packet.ray.dir_z[i] = direction[2];
-      packet.ray.time[i] = 0.f;
-      packet.ray.tfar[i] = 1.f + embreeRounding;
-      packet.ray.mask[i] = 0xffffffffu;
-      packet.ray.id[i] = static_cast<unsigned>(first + i);
-      packet.ray.flags[i] = 0;
-      packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    }
-    query.intersect(impl_->scene, valid, packet);
+    rays.unitOrigin[a][i] = origin[a];
+    rays.unitDirection[a][i] = direction[a];
+  }
+  return found;
+}
+
+void SurfaceHierarchy::intersect(const RayPart& part, RayHits& hits) const
+{
+  RTCRayHit ray;
+  if (impl_->find(part, ray.ray))
+  {
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    Query query(part, hits);
+    query.intersect(impl_->scene, ray);
     query.rethrow();
   }
 }
 
-bool SurfaceHierarchy::occluded(SurfaceRay& ray) const
+void SurfaceHierarchy::occluded(const RayPart& part, RayHits& hits) const
 {
-  RTCRay r = impl_->single(ray);
-  Query query(&ray);
-  query.occluded(impl_->scene, r);
-  query.rethrow();
-  return ray.hasHit();
+  RTCRay ray;
+  if (impl_->find(part, ray))
+  {
+    Query query(part, hits);
+    query.occluded(impl_->scene, ray);
+    query.rethrow();
+  }
+}
+
+void SurfaceHierarchy::intersect(RayTile& tile) const
+{
+  Query query(tile);
+  Impl::forPackets(tile, [&](const int* valid, int first) {
+    RTCRayHit16 packet;
+    Impl::fill(tile, first, packet.ray);
+    std::fill_n(packet.hit.geomID, packetRays, RTC_INVALID_GEOMETRY_ID);
+    query.intersect(impl_->scene, valid, packet);
+    query.rethrow();
+  });
 }
 
 } // namespace treeamr

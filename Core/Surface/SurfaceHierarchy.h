@@ -15,8 +15,10 @@ namespace treeamr
 class SurfaceHierarchy
 {
 public:
-  /// As many blocks, less one, are too many.
-  static constexpr std::size_t blockLimit = SurfaceRay::noBlock;
+  /// As many blocks are too many.
+  static constexpr std::size_t blockLimit = RayHits::noBlock;
+  /// A ray's coordinates and direction in the unit cube are no longer, in sum: Embree may abort.
+  static constexpr float aroundUnitCube = 4.f;
 
   /// Throws Error when Embree fails. Of no blocks it is none, as is every ray then.
   explicit SurfaceHierarchy(const BlockIntersection& intersection);
@@ -32,14 +34,15 @@ public:
   /// Of wall time, to build it.
   double seconds() const noexcept;
 
-  /// Whether a started ray can meet a block: false without blocks, for NaN and from so far away that no digits are
-  /// left.
-  bool reaches(const SurfaceRay& ray) const noexcept;
-  /// Takes rays that do through the blocks on their ways.
-  void intersect(SurfaceRay& ray) const;
+  /// Makes a ray the i-th of a tile's; false for one that can meet no block: without blocks, for NaN and from so far
+  /// away that no digits are left.
+  bool enter(const RayPart& part, int i, SlabRays& rays) const noexcept;
+  /// Takes a ray, or all rays of a tile, through the blocks on their ways. Of those that can meet no block, there must
+  /// be none in the tile.
+  void intersect(const RayPart& part, RayHits& hits) const;
   void intersect(RayTile& tile) const;
-  /// Whether the ray has any hit.
-  bool occluded(SurfaceRay& ray) const;
+  /// The same until there is any hit. One by one: packets of spread rays visit the blocks of all of them.
+  void occluded(const RayPart& part, RayHits& hits) const;
 
 private:
   struct Impl;

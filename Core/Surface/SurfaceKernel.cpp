@@ -275,7 +275,7 @@ struct Places
 };
 
 void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  int count, OctantCandidates& found)
+  std::uint32_t wanted, OctantCandidates& found)
 {
   const Tag d;
   const IntTag di;
@@ -284,9 +284,14 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
   const SurfaceRecord& record = *block.record;
   const BlockPlanes& planes = block.planes;
   Crossings crossings;
-  for (int begin = 0; begin < count; begin += lanes)
+  for (int begin = 0; begin < OctantCandidates::mostRays; begin += lanes)
   {
-    walk(block, rays, first + begin, hn::FirstN(d, static_cast<std::size_t>(count - begin)), crossings);
+    const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(
+      wanted >> begin & ((1u << lanes) - 1)) };
+    if (bits[0] != 0)
+    {
+      walk(block, rays, first + begin, hn::LoadMaskBits(d, bits.data()), crossings);
+    }
   }
   const Doubles perWidth =
     set(std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] }));
@@ -591,9 +596,9 @@ HWY_EXPORT(FindNormals);
 HWY_EXPORT(FindRoots);
 
 void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  int count, OctantCandidates& found) noexcept
+  std::uint32_t wanted, OctantCandidates& found) noexcept
 {
-  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, count, found);
+  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, wanted, found);
 }
 
 void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found) noexcept

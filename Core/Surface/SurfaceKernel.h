@@ -13,11 +13,21 @@
 namespace treeamr
 {
 
-/// Rays side by side, by component. All of them may be read beyond the last, by a vector.
+/// The part of a ray that may meet a surface.
+struct RayPart
+{
+  SlabRay ray; // in TraceSpace
+  double tEnter;
+  double tLeave;
+  double rounding; // bound of the error of a place along the ray
+};
+
+/// Parts of rays side by side, by component. All of them may be read beyond the last, by a vector.
 struct SlabRays
 {
   static constexpr int most = 256;
   using Component = std::array<double, most + 8>;
+  using FloatComponent = std::array<float, most + 16>;
   alignas(64) std::array<Component, 3> origin{};
   alignas(64) std::array<Component, 3> direction{};
   alignas(64) std::array<Component, 3> inverse{};
@@ -25,18 +35,38 @@ struct SlabRays
   alignas(64) Component enter{};
   alignas(64) Component leave{};
   alignas(64) Component limit{};
-  /// Bound of the error of a place along the ray.
   alignas(64) Component rounding{};
+  /// Of that part, where the domain is a unit cube: what SurfaceHierarchy asks with.
+  alignas(64) std::array<FloatComponent, 3> unitOrigin{};
+  alignas(64) std::array<FloatComponent, 3> unitDirection{};
 
-  void set(int i, const SlabRay& ray) noexcept
+  void set(int i, const RayPart& part) noexcept
   {
     for (int a = 0; a < 3; ++a)
     {
-      origin[a][i] = ray.origin[a];
-      direction[a][i] = ray.direction[a];
-      inverse[a][i] = ray.inverse[a];
+      origin[a][i] = part.ray.origin[a];
+      direction[a][i] = part.ray.direction[a];
+      inverse[a][i] = part.ray.inverse[a];
     }
+    enter[i] = part.tEnter;
+    leave[i] = part.tLeave;
+    rounding[i] = part.rounding;
   }
+  RayPart at(int i) const noexcept
+  {
+    RayPart part;
+    for (int a = 0; a < 3; ++a)
+    {
+      part.ray.origin[a] = origin[a][i];
+      part.ray.direction[a] = direction[a][i];
+      part.ray.inverse[a] = inverse[a][i];
+    }
+    part.tEnter = enter[i];
+    part.tLeave = leave[i];
+    part.rounding = rounding[i];
+    return part;
+  }
+  Vec3 directionOf(int i) const noexcept { return { direction[0][i], direction[1][i], direction[2][i] }; }
 };
 
 /// A block that rays are crossed with.
@@ -119,11 +149,11 @@ struct OctantCandidates
   }
 };
 
-/// Adds those in the last block of `count` rays from the first, at most mostRays, and of as many isovalues as
-/// mostIsovalues at most, numbered from firstIsovalue. Those of a ray come in its order, and of an octant in that of
-/// the isovalues.
+/// Adds those in the last block of some of the 16 rays from the first on, and of as many isovalues as mostIsovalues at
+/// most, numbered from firstIsovalue; bit i of wanted: the ray first + i. Those of a ray come in its order, and of an
+/// octant in that of the isovalues.
 void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  int count, OctantCandidates& found) noexcept;
+  std::uint32_t wanted, OctantCandidates& found) noexcept;
 
 /// Roots of the cubics of candidates.
 struct CandidateRoots
