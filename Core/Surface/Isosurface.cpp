@@ -308,6 +308,17 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
   return hits.any();
 }
 
+bool Isosurface::occluded(const Ray& ray, double tMin, double tMax, const DataCut& cut) const
+{
+  const RayParts parts = cut.parts(ray.origin, ray.direction, tMin, tMax);
+  bool any = false;
+  for (int i = 0; i < parts.count && !any; ++i)
+  {
+    any = this->occluded(ray, parts.begin[i], parts.end[i]);
+  }
+  return any;
+}
+
 void Isosurface::render(
   const Camera& camera, SurfaceLayers layers, HitImage& image, std::size_t mostHits) const
 {

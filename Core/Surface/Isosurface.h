@@ -92,6 +92,8 @@ public:
   void intersectAll(const Ray& ray, double tMin, double tMax, std::vector<SurfaceHit>& hits) const;
   /// Whether there is any hit.
   bool occluded(const Ray& ray, double tMin, double tMax) const;
+  /// Whether there is any in what the cut leaves.
+  bool occluded(const Ray& ray, double tMin, double tMax, const DataCut& cut) const;
   /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at
   /// most.
   void render(const Camera& camera, SurfaceLayers layers, HitImage& image,

@@ -130,10 +130,15 @@ std::vector<Vec3> cosineDirections(int first, int end)
   return directions;
 }
 
+bool isOccluded(const Isosurface& surface, const Ray& ray, double tMax, const DataCut& cut)
+{
+  return cut.isEmpty() ? surface.occluded(ray, 0., tMax) : surface.occluded(ray, 0., tMax, cut);
+}
+
 } // namespace
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open)
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut)
 {
   if (open.size() != hits.hits.size())
   {
@@ -156,13 +161,13 @@ void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, cons
       {
         direction[a] = s * across[0][a] + t * across[1][a] + along * start.normalWorld[a];
       }
-      open[i] += !surface.occluded({ start.pData, frame.dataVector(direction) }, 0., radius);
+      open[i] += !isOccluded(surface, { start.pData, frame.dataVector(direction) }, radius, cut);
     }
   });
 }
 
 void traceShadows(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit)
+  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut)
 {
   lit.assign(hits.hits.size() * lights.size(), 1);
   surface.tighten();
@@ -184,7 +189,8 @@ void traceShadows(const Isosurface& surface, const Camera& camera, const HitImag
       if (dot(towards, start.normalWorld) > 0.)
       {
         const double reach = light.positional ? 1. : std::numeric_limits<double>::infinity();
-        lit[l + lights.size() * i] = !surface.occluded({ start.pData, frame.dataVector(towards) }, 0., reach);
+        lit[l + lights.size() * i] =
+          !isOccluded(surface, { start.pData, frame.dataVector(towards) }, reach, cut);
       }
     }
   });

@@ -1,7 +1,7 @@
 // Rays from the hits of an isosurface into its surroundings: ambient occlusion and shadows.
 //
 // They start on the side that the camera sees, off the surface by a small part of the cell that the hit lies in.
-// What they meet is the isosurface itself, all its surfaces; other objects of a scene are not known here. As before
+// What they meet is the isosurface itself, all its surfaces, but for what is cut away; other objects of a scene are not known here. As before
 // Isosurface::startFrame(), no other thread queries it.
 #pragma once
 
@@ -20,11 +20,11 @@ namespace treeamr
 /// near each other have directions that complete each other, for filterAmbientOcclusion().
 /// open: one entry for each hit, else throws Error.
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open);
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut = {});
 
 /// lit[l + lights.size() * i]: whether nothing stands between hit i and light l; 1 for lights that cast no shadows
 /// and those behind the surface.
 void traceShadows(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit);
+  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut = {});
 
 } // namespace treeamr

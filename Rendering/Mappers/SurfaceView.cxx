@@ -76,7 +76,7 @@ const SurfaceVisibility& SurfaceView::updateVisibility(
     {
       openRays_.assign(hits_.hits.size(), 0);
     }
-    traceAmbientOcclusion(*surface_, *camera_, hits_, occlusionRadius_, begin, end, openRays_);
+    traceAmbientOcclusion(*surface_, *camera_, hits_, occlusionRadius_, begin, end, openRays_, pose_.cut);
     visibility_.open = filterAmbientOcclusion(*camera_, hits_, openRays_, end);
     occlusionRays_ = end;
   }
@@ -89,7 +89,7 @@ const SurfaceVisibility& SurfaceView::updateVisibility(
   else if (shadowLights_ != lights)
   {
     shadowLights_.clear();
-    traceShadows(*surface_, *camera_, hits_, lights, visibility_.lit);
+    traceShadows(*surface_, *camera_, hits_, lights, visibility_.lit, pose_.cut);
     shadowLights_ = lights;
   }
   return visibility_;

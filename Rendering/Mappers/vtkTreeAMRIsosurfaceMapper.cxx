@@ -315,6 +315,7 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
   pose.height = viewport.Height;
   pose.clipFromData = treeamr::clipFromData(renderer, actor);
   pose.viewFromData = treeamr::viewFromData(renderer, actor);
+  pose.cut.halfSpaces = treeamr::convertClippingPlanes(this, actor);
   if (pose.layers != layers)
   {
     view.sampleDistances = {};

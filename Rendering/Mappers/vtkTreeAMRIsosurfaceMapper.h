@@ -33,7 +33,7 @@
  * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker)
  * find points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect
  * data sets themselves (vtkCellPicker, vtkHardwarePicker) know no hyper tree grids. What it cannot do warns
- * once when it is asked for: clipping planes, wireframe, points, edges, culling, backface properties,
+ * once when it is asked for: wireframe, points, edges, culling, backface properties,
  * textures, physically based shading, shader code. Needs an OpenGL window.
  *
  * VTK's exporters write polygons alone: they leave this mapper out unless its actor is a

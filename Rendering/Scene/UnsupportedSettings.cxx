@@ -39,12 +39,6 @@ SettingNames namesOf(std::initializer_list<Setting> settings)
   return names;
 }
 
-bool hasClippingPlanes(vtkAbstractMapper* mapper)
-{
-  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
-  return planes && planes->GetNumberOfItems() > 0;
-}
-
 bool hasShaderCode(vtkProp* prop)
 {
   vtkShaderProperty* shaders = prop->GetShaderProperty();
@@ -104,7 +98,6 @@ SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper)
   double units = 0.;
   mapper->GetRelativeCoincidentTopologyPolygonOffsetParameters(factor, units);
   return namesOf({
-    { "ClippingPlanes", hasClippingPlanes(mapper) },
     { "Representation Wireframe", property->GetRepresentation() == VTK_WIREFRAME },
     { "Representation Points", property->GetRepresentation() == VTK_POINTS },
     { "EdgeVisibility", property->GetEdgeVisibility() != 0 },

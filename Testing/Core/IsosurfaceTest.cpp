@@ -591,6 +591,68 @@ TEST(Isosurface, FramesAreThoseOfSingleRays)
   }
 }
 
+// Those of an uncut frame that lie in the drawn parts of their rays.
+TEST(Isosurface, FramesOfACutAreTheHitsThatItLeaves)
+{
+  const RandomTree options{ 12, { 2, 1, 1 }, 4, 0.6, 0.1, false };
+  const Isosurface surface(makeField(unitRoots(options.roots), makeRandomTree(options)), { -0.2, 0.1 });
+  const Camera camera(
+    multiply(perspective(50., 1., 20.), lookAt({ 4., 2., 3. }, { 1., 0.5, 0.5 })), identityMatrix, 75, 61);
+  RayStops planes;
+  planes.cut.halfSpaces = { { { 1., 0.3, -0.2 }, 0.8 }, { { 0., -1., 0.5 }, -0.4 } };
+  RayStops regions; // two parts of many rays, and more
+  regions.cut.cropping = CroppingRegions{ { 0.5, 1.5, 0.3, 0.6, 0.2, 0.8 }, 0x5aa5a5u };
+  RayStops depths;
+  std::vector<float> end(75 * 61);
+  for (std::size_t i = 0; i < end.size(); ++i)
+  {
+    end[i] = 0.75f + 0.01f * static_cast<float>(i % 20);
+  }
+  depths.endDepth = end.data();
+  HitImage whole;
+  surface.render(camera, SurfaceLayers::All, whole);
+  for (const RayStops& stops : { planes, regions, depths })
+  {
+    HitImage nearest;
+    HitImage all;
+    surface.render(camera, stops, SurfaceLayers::Nearest, nearest);
+    surface.render(camera, stops, SurfaceLayers::All, all);
+    std::size_t left = 0;
+    std::size_t several = 0;
+    for (int pixel = 0; pixel < 75 * 61; ++pixel)
+    {
+      const RayParts parts = stops.parts(camera, camera.ray(pixel % 75, pixel / 75), pixel % 75, pixel / 75);
+      several += parts.count > 1;
+      std::vector<double> expected;
+      for (std::size_t i = whole.first[pixel]; i < whole.first[pixel + 1]; ++i)
+      {
+        for (int k = 0; k < parts.count; ++k)
+        {
+          if (whole.hits[i].t >= parts.begin[k] && whole.hits[i].t < parts.end[k])
+          {
+            expected.push_back(whole.hits[i].t);
+          }
+        }
+      }
+      left += expected.size();
+      ASSERT_EQ(all.first[pixel + 1] - all.first[pixel], expected.size()) << pixel;
+      for (std::size_t k = 0; k < expected.size(); ++k)
+      {
+        // The octant that a part begins in is crossed from there.
+        ASSERT_NEAR(all.hits[all.first[pixel] + k].t, expected[k], 1e-13);
+      }
+      ASSERT_EQ(nearest.first[pixel + 1] - nearest.first[pixel], expected.empty() ? 0u : 1u) << pixel;
+      if (!expected.empty())
+      {
+        ASSERT_NEAR(nearest.hits[nearest.first[pixel]].t, expected[0], 1e-13);
+      }
+    }
+    EXPECT_GT(left, whole.hits.size() / 10);
+    EXPECT_LT(left, whole.hits.size() * 9 / 10);
+    EXPECT_EQ(several > 100, stops.cut.cropping.has_value());
+  }
+}
+
 // Frames cross blocks by the vectorised kernel, single rays by the scalar walk.
 TEST(Isosurface, FramesAreTheSameOnEveryInstructionSet)
 {

@@ -174,6 +174,24 @@ TEST_F(ParallelPlanes, RaysOfNeighboursCompleteEachOther)
   }
 }
 
+TEST_F(ParallelPlanes, WhatIsCutAwayNeitherOccludesNorCastsShadows)
+{
+  look({ 4., 4.2, 4.5 }, { 4., 3.9, low });
+  DataCut below;
+  below.halfSpaces = { { { 0., 0., -1. }, -4. } }; // what is up to z = 4
+  DataCut hole;
+  hole.cropping = CroppingRegions{ { -1., 9., -1., 9., 4., 5. }, 0x7fc01ffu }; // all but the middle layer
+  for (const DataCut& cut : { below, hole })
+  {
+    std::vector<std::uint16_t> open(hits_.hits.size());
+    traceAmbientOcclusion(surface_, *camera_, hits_, 3., 0, 16, open, cut);
+    EXPECT_EQ(open, std::vector<std::uint16_t>(open.size(), 16));
+    std::vector<std::uint8_t> lit;
+    traceShadows(surface_, *camera_, hits_, { sun({ 0., 0., -1. }), bulb({ 4., 4., 7. }) }, lit, cut);
+    EXPECT_EQ(lit, std::vector<std::uint8_t>(2 * hits_.hits.size(), 1));
+  }
+}
+
 TEST_F(ParallelPlanes, CastShadowsOnEachOther)
 {
   look({ 4., 4.2, 4.5 }, { 4., 3.9, low });

@@ -7,6 +7,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkInformation.h"
+#include "vtkPlane.h"
 #include "vtkPropPicker.h"
 #include "vtkSelection.h"
 #include "vtkSelectionNode.h"
@@ -43,6 +44,69 @@ TEST_F(IsosurfaceMapperTest, planeOfARotatedAndUnevenlyScaledActor)
   actor->SetPosition(0.4, -0.2, 0.3);
   scene.setCamera();
   expectPlaneDepths(scene, actor);
+}
+
+// In world coordinates, whatever the actor's matrix; taken away again, the surface is whole.
+TEST_F(IsosurfaceMapperTest, clippingPlanes)
+{
+  Scene scene;
+  vtkActor* actor = scene.addIsosurface(planeGrid(), "plane", 0.);
+  actor->SetScale(1.4, 0.5, 0.8);
+  actor->RotateWXYZ(40., 1., 2., -1.);
+  actor->SetPosition(0.4, -0.2, 0.3);
+  scene.setCamera();
+  scene.render();
+  const std::vector<float> whole = scene.depths();
+  const std::array<std::array<Point, 2>, 2> planes{ { { { { 0.1, -0.2, 0.3 }, { 1., 0.2, -0.3 } } },
+    { { { 0.4, -0.6, 0.3 }, { -0.5, 1., 0. } } } } };
+  for (const auto& [origin, direction] : planes)
+  {
+    vtkNew<vtkPlane> plane;
+    plane->SetOrigin(origin.data());
+    plane->SetNormal(direction.data());
+    actor->GetMapper()->AddClippingPlane(plane);
+  }
+  scene.render();
+  const std::vector<float> depths = scene.depths();
+  int shown = 0;
+  int hidden = 0;
+  for (int y = 0; y < scene.height(); ++y)
+  {
+    for (int x = 0; x < scene.width(); ++x)
+    {
+      const std::size_t pixel = static_cast<std::size_t>(y) * scene.width() + x;
+      const PixelRay ray = scene.ray(x, y);
+      const PixelRay dataRay = Scene::inDataOf(actor, ray);
+      const double s = Scene::meet(dataRay, center, normal);
+      if (whole[pixel] == 1.f || !(s > 0. && s < 1.) || !isInside(dataRay.at(s)))
+      {
+        continue;
+      }
+      bool isLeft = true;
+      bool isNear = false; // the edge
+      for (const auto& [origin, direction] : planes)
+      {
+        const Point p = ray.at(s);
+        double distance = 0.;
+        for (int a = 0; a < 3; ++a)
+        {
+          distance += (p[a] - origin[a]) * direction[a];
+        }
+        isLeft = isLeft && distance >= 0.;
+        isNear = isNear || std::abs(distance) < 1e-6;
+      }
+      if (!isNear)
+      {
+        ASSERT_EQ(depths[pixel], isLeft ? whole[pixel] : 1.f) << "pixel " << x << ", " << y;
+      }
+      (isLeft ? shown : hidden) += 1;
+    }
+  }
+  EXPECT_GT(shown, 50);
+  EXPECT_GT(hidden, 50);
+  actor->GetMapper()->RemoveAllClippingPlanes();
+  scene.render();
+  EXPECT_EQ(scene.depths(), whole);
 }
 
 TEST_F(IsosurfaceMapperTest, planeWithCameraInside)

@@ -383,19 +383,6 @@ TEST_F(MapperErrorsTest, doublesThatFloatMergesWarn)
   surfaceMapper_->RemoveAllObservers();
 }
 
-TEST_F(MapperErrorsTest, clippingOfSurfacesWarns)
-{
-  vtkNew<vtkPlane> plane;
-  MessageCounter messages(surfaceMapper_);
-  surface_->VisibilityOn();
-  const auto unclipped = scene_.render();
-  surfaceMapper_->AddClippingPlane(plane);
-  EXPECT_EQ(scene_.render(), unclipped);
-  EXPECT_EQ(scene_.render(), unclipped);
-  EXPECT_EQ(messages.warnings.size(), 1u);
-  surfaceMapper_->RemoveAllObservers();
-}
-
 TEST_F(MapperErrorsTest, clippingPlanesAreFinite)
 {
   vtkNew<vtkPlane> plane;

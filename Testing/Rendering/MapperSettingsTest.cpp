@@ -231,14 +231,12 @@ TEST_F(MapperSettingsTest, surfaceSettingsWithoutEffect)
 {
   MessageCounter messages(surfaceMapper_);
   vtkProperty* property = surface_->GetProperty();
-  vtkNew<vtkPlane> plane;
   vtkNew<vtkProperty> backface;
   vtkNew<vtkTexture> texture;
   texture->UseSRGBColorSpaceOn(); // or VTK refuses it
   const auto expected = scene_.render();
   EXPECT_TRUE(messages.warnings.empty());
   const std::vector<std::pair<std::string, std::function<void()>>> settings{
-    { "ClippingPlanes", [&] { surfaceMapper_->AddClippingPlane(plane); } },
     { "Wireframe", [&] { property->SetRepresentationToWireframe(); } },
     { "Points", [&] { property->SetRepresentationToPoints(); } },
     { "EdgeVisibility", [&] { property->EdgeVisibilityOn(); } },
