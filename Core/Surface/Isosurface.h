@@ -63,9 +63,10 @@ public:
   static constexpr int allCellDepths = Octree::maxDepth;
 
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
-  /// them. Vertex values are computed where rays come and kept within keptBytes. Cells deeper than mostCellDepth (at least 1; a root's is 0) are drawn together by their means, as
-  /// level of detail (see cellDepthFor()), but for those that would be together with ghosts. Throws Error
-  /// without a field or isovalues, for one that is not finite, or when Embree fails.
+  /// them. Vertex values are computed where rays come and kept within keptBytes. Cells deeper than mostCellDepth
+  /// (at least 1; a root's is 0) are drawn together by their means, as level of detail (see cellDepthFor()), but
+  /// for those that would be together with ghosts. Throws Error without a field or isovalues, for one that is not
+  /// finite, or when Embree fails.
   Isosurface(std::shared_ptr<const Field> field, std::vector<double> isovalues,
     std::size_t keptBytes = defaultKeptBytes, int mostCellDepth = allCellDepths);
   ~Isosurface();

@@ -67,9 +67,9 @@ struct VolumeStatistics
 
 /// Renders into `image` (overwritten), on all threads. `kept` must have been made for this field and holds
 /// what the next frame need not compute again. A ray is integrated from stop to stop, with no sample across one; what
-/// the stops hide from all rays is not visited. Throws Error
-/// when the image's size or that of the stops is not the camera's, `kept` is another field's, the settings are not
-/// finite and positive or a value is none of the transfer function's categories.
+/// the stops hide from all rays is not visited. Throws Error when the image's size or that of the stops is not the
+/// camera's, `kept` is another field's, the settings are not finite and positive or a value is none of the transfer
+/// function's categories.
 VolumeStatistics renderVolume(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept,
   Image& image);

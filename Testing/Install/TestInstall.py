@@ -6,6 +6,7 @@ TestInstall.py [--python] [--pvpython <pvpython>] <cmake> <build folder> <scratc
 import argparse
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -28,7 +29,7 @@ environment = {k: v for k, v in os.environ.items()
 
 def run(*command):
     print("+", *command, flush=True)
-    done = subprocess.run([str(c) for c in command], env=environment, text=True,
+    done = subprocess.run([str(c) for c in command], env=environment, text=True, cwd=options.scratch,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     print(done.stdout, flush=True)
     if done.returncode != 0:
@@ -53,9 +54,35 @@ def check_libraries():
             sys.exit(f"{library}: not found in the prefix: {lost}")
 
 
+def check_headers():
+    """What is installed is what the public headers include: no less, and nothing else."""
+    folder = prefix / "include/treeamr"
+    reached = set()
+    core = {f.name for f in (here / "../../Core/include/treeamr").glob("*.h")}
+    waiting = [f for f in folder.glob("*.h")
+               if f.name in core or f.name.startswith("vtk") or f.name == "HyperTreeGridConverter.h"]
+    if len(core) < 4 or not core <= {f.name for f in waiting}:
+        sys.exit(f"{folder}: without some of {sorted(core)}")
+    while waiting:
+        header = waiting.pop()
+        reached.add(header)
+        for name in re.findall(r'^#include "(\w+(?:/\w+)*\.(?:h|inl))"', header.read_text(), re.MULTILINE):
+            included = folder / name
+            if included.exists():
+                if included not in reached:
+                    waiting.append(included)
+            elif not name.startswith("vtk"):  # VTK's own
+                sys.exit(f"{header}: includes {name}, which is not installed")
+    others = {f for f in folder.rglob("*") if f.is_file()} - reached
+    if others:
+        sys.exit(f"installed, but included by no public header: {sorted(map(str, others))}")
+
+
 shutil.rmtree(options.scratch, ignore_errors=True)
+options.scratch.mkdir(parents=True)
 run(options.cmake, "--install", options.build, "--prefix", prefix)
 check_libraries()
+check_headers()
 
 consumer = options.scratch / "consumer"
 run(options.cmake, "-S", here / "Consumer", "-B", consumer, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
@@ -65,7 +92,7 @@ programs = sorted(consumer.glob("consume-*"))
 if not programs:
     sys.exit("no program was built")
 for program in programs:
-    run(program)
+    run(program)  # pictures beside it
 
 python = [options.pvpython, "--force-offscreen-rendering"] if options.pvpython else [sys.executable]
 if options.python:

@@ -11,12 +11,10 @@
 namespace treeamr::test
 {
 
-/// With node ranges.
 inline std::shared_ptr<const Field> makeField(const RootGrid& grid, const std::vector<LeafCell>& cells)
 {
   auto built = buildOctree(grid, cells);
-  auto field = std::make_shared<Field>(built.octree, built.values);
-  return field;
+  return std::make_shared<const Field>(built.octree, built.values);
 }
 
 /// Roots are unit cubes from the origin on.
