@@ -6,6 +6,7 @@
 
 #include "Field/RangeCode.h"
 #include "LargeArray.h"
+#include "Prefetch.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +25,8 @@ public:
   /// A range around the GTI reconstruction inside an inner node. parent: that of its parent, of the octree's root
   /// Field::range().
   Range of(std::uint64_t inner, Range parent) const noexcept { return codes_[inner].decode(parent); }
+  /// Announces that a node and the seven after it will be asked for.
+  void prefetch(std::uint64_t inner) const noexcept { treeamr::prefetch(codes_.data() + inner); }
   /// Allocated bytes.
   std::size_t byteSize() const noexcept { return codes_.capacity() * sizeof(RangeCode); }
 

@@ -7,6 +7,7 @@
 
 #include "ChunkPool.h"
 #include "Interpolation/BlockValues.h"
+#include "Prefetch.h"
 
 #include <atomic>
 #include <cstdint>
@@ -64,6 +65,28 @@ public:
     }
     const Chunk& chunk = pool_.chunkOf(slot);
     return { &chunk.records[slot % Chunk::size], chunk.ranges[slot % Chunk::size] };
+  }
+
+  /// Announces that find() will be called for an inner node, or one of the seven after it.
+  void prefetchSlot(std::uint64_t inner, BlockCells cells) const noexcept
+  {
+    treeamr::prefetch(slotsOf(cells).data() + inner);
+  }
+  /// The same for a node whose slot is there: for what is kept of it.
+  void prefetchRecord(std::uint64_t inner, BlockCells cells) const noexcept
+  {
+    const auto& slots = slotsOf(cells);
+    const std::uint32_t slot = slots.empty() ? 0 : slots[inner].load(std::memory_order_acquire);
+    if (slot != 0)
+    {
+      const Chunk& chunk = pool_.chunkOf(slot);
+      treeamr::prefetch(&chunk.ranges[slot % Chunk::size]);
+      const auto* values = chunk.records[slot % Chunk::size].values.data();
+      for (std::size_t i = 0; i < sizeof(BlockRecord) / sizeof(*values); i += 32)
+      {
+        treeamr::prefetch(values + i);
+      }
+    }
   }
 
   /// A writer's supply of records: one for each thread.

@@ -534,8 +534,11 @@ private:
       middle[a] = toKernel(a, planes[a]);
     }
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
+    // Memory is on its way while rays are tested.
+    prefetchNodes(children);
     GroupMask crossing[8];
     parts_ == 1 ? cross<true>(box, middle, active, crossing) : crossParts(box, middle, active, crossing);
+    prefetchContents(children, wanted, crossing);
     bool hasValues = false;
     Block block;
     for (int i = 0; i < 8; ++i)
@@ -579,6 +582,40 @@ private:
       index_ = index;
       // The subtree may have used the buffers.
       hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
+    }
+  }
+
+  /// What says where the children have their own children and values.
+  HWY_INLINE void prefetchNodes(const Octree::Children& children) const noexcept
+  {
+    if (children.inner() != 0)
+    {
+      octree_.prefetchChildren(children.firstInner);
+      scene_.kept.prefetchSlot(children.firstInner, BlockCells::Leaves);
+    }
+  }
+
+  /// Values and ranges of the children that will be visited.
+  HWY_INLINE void prefetchContents(
+    const Octree::Children& children, unsigned wanted, const GroupMask (&crossing)[8]) const noexcept
+  {
+    for (unsigned rest = children.inner() & wanted; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      if (crossing[octant] == 0)
+      {
+        continue;
+      }
+      const std::uint64_t child = children.innerIndex(octant);
+      const Octree::Children below = octree_.children(child);
+      if (below.leaf != 0)
+      {
+        scene_.kept.prefetchRecord(child, BlockCells::Leaves);
+      }
+      if (below.inner() != 0 && scene_.ranges)
+      {
+        scene_.ranges->prefetch(below.firstInner);
+      }
     }
   }
 

@@ -78,10 +78,25 @@ struct ToTable
   float last;
 };
 
-/// Vertex values in steps of their hull.
-struct QuantisedValues
+/// Vertex values in steps of their hull: those of a BlockRecord.
+class QuantisedValues
 {
-  const std::uint16_t* values;
+public:
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  /// All in four registers, of which two-source permutes pick: a gather takes as long as several of them.
+  explicit HWY_INLINE QuantisedValues(const std::uint16_t* values)
+  {
+    for (int i = 0; i < 4; ++i)
+    {
+      words_[i] = _mm512_loadu_si512(values + 32 * i);
+    }
+  }
+#else
+  explicit HWY_INLINE QuantisedValues(const std::uint16_t* values)
+    : values_(values)
+  {
+  }
+#endif
 
   /// Of the vertices (x, x + 1) in each of four rows: y and y + 1 at z, then at z + 1.
   HWY_INLINE void pairs(Ints index, Floats (&lower)[4], Floats (&upper)[4]) const
@@ -91,7 +106,7 @@ struct QuantisedValues
     constexpr int rows[4] = { 0, 5, 25, 30 };
     for (int r = 0; r < 4; ++r)
     {
-      const Ints both = gatherPairs(values + rows[r], index);
+      const Ints both = pairs(rows[r], index);
       lower[r] = hn::ConvertTo(d, hn::And(both, hn::Set(di, 0xffff)));
       upper[r] = hn::ConvertTo(
         d, hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<FloatTag>(), both))));
@@ -99,11 +114,24 @@ struct QuantisedValues
   }
 
 private:
-  static HWY_INLINE Ints gatherPairs(const std::uint16_t* row, Ints index)
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  HWY_INLINE Ints pairs(int row, Ints index) const
   {
     const IntTag di;
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-    return hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row), hn::Add(index, index));
+    // Six bits of an index choose among two registers, the seventh between these and the other two.
+    const Ints both = hn::Add(hn::Or(index, hn::ShiftLeft<16>(index)), hn::Set(di, row | (row + 1) << 16));
+    const __m512i low = _mm512_permutex2var_epi16(words_[0], both.raw, words_[1]);
+    const __m512i high = _mm512_permutex2var_epi16(words_[2], both.raw, words_[3]);
+    return Ints{ _mm512_mask_mov_epi16(low, _mm512_test_epi16_mask(both.raw, _mm512_set1_epi16(64)), high) };
+  }
+
+  __m512i words_[4];
+#else
+  HWY_INLINE Ints pairs(int row, Ints index) const
+  {
+    const IntTag di;
+#if HWY_TARGET == HWY_AVX2
+    return hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(values_ + row), hn::Add(index, index));
 #else
     // Without the instruction, and without its licence to read between the element's boundaries.
     HWY_ALIGN std::int32_t at[lanes];
@@ -111,11 +139,14 @@ private:
     hn::Store(index, di, at);
     for (int i = 0; i < lanes; ++i)
     {
-      std::memcpy(both + i, row + at[i], sizeof(*both));
+      std::memcpy(both + i, values_ + row + at[i], sizeof(*both));
     }
     return hn::Load(di, both);
 #endif
   }
+
+  const std::uint16_t* values_;
+#endif
 };
 
 /// Vertex values as they are, where a step of their hull is too coarse.
