@@ -317,13 +317,14 @@ VolumeStatistics renderVolume(const Field& field, const TransferFunction& transf
   {
     kept.prepareMeans();
   }
+  const VolumeLoops loops = volumeLoops(scene.features);
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 4), [&](const auto& tiles) {
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
-      statistics.local() += renderVolumeTiles(scene, row, tiles.cols().begin(), tiles.cols().end());
+      statistics.local() += loops.renderTiles(scene, row, tiles.cols().begin(), tiles.cols().end());
     }
   });
   const VolumeStatistics all =
@@ -358,8 +359,9 @@ void renderPixelGroups(const Field& field, const TransferFunction& transferFunct
   {
     kept.prepareMeans();
   }
+  const VolumeLoops loops = volumeLoops(scene.features);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 4), [&](const auto& part) {
-    renderVolumeGroups(
+    loops.renderGroups(
       scene, groups.subspan(part.begin(), part.size()), rgba.data() + part.begin() * PixelGroup::rgbaSize);
   });
 }
@@ -381,11 +383,12 @@ VolumeStatistics renderWithoutWalk(const Field& field, const TransferFunction& t
     const float e = entries[i].extinction;
     faintest = e > 0.f && (best == 0.f || e < best) ? i : faintest;
   }
+  const VolumeLoops loops = volumeLoops(scene.features);
   VolumeStatistics statistics;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
   for (int row = 0; row * volumeTileWidth < image.height; ++row)
   {
-    statistics += repeatVolumeTilesInCache(scene, row, columns, static_cast<float>(faintest), repeats);
+    statistics += loops.repeatInCache(scene, row, columns, static_cast<float>(faintest), repeats);
   }
   return statistics;
 }

@@ -83,12 +83,21 @@ constexpr double pointSampleTolerance = 0.2;
 constexpr int volumeTileWidth = 16;
 static_assert(volumeTileWidth == 4 * PixelGroup::width);
 
-/// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
-VolumeStatistics renderVolumeTiles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
-/// See renderPixelGroups().
-void renderVolumeGroups(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba);
-/// See renderWithoutWalk(). position: in the table.
-VolumeStatistics repeatVolumeTilesInCache(
-  const VolumeKernelScene& scene, int row, int columns, float position, int repeats);
+/// A variant of the kernel, compiled for the best instruction set of this machine.
+struct VolumeLoops
+{
+  /// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
+  VolumeStatistics (*renderTiles)(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
+  /// See renderPixelGroups().
+  void (*renderGroups)(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba);
+  /// See renderWithoutWalk(). position: in the table.
+  VolumeStatistics (*repeatInCache)(
+    const VolumeKernelScene& scene, int row, int columns, float position, int repeats);
+};
+
+VolumeLoops volumeLoopsFromOnePoint();
+VolumeLoops volumeLoopsOfAnyRays();
+/// That a scene needs.
+VolumeLoops volumeLoops(const SceneFeatures& features);
 
 } // namespace treeamr

@@ -1,0 +1,471 @@
+// The rays stage of the volume kernel: a tile's 16 x 16 rays, their drawn parts, their translucent hits and what they
+// have gathered. Compiled once for each instruction set, as Highway wants it.
+#if defined(TREEAMR_VOLUMERAYS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREEAMR_VOLUMERAYS_INL_H
+#undef TREEAMR_VOLUMERAYS_INL_H
+#else
+#define TREEAMR_VOLUMERAYS_INL_H
+#endif
+
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeSampling-inl.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+constexpr int groupRays = 16;
+constexpr int groups = 16;
+constexpr int tileRays = groups * groupRays;
+static_assert(volumeTileWidth * volumeTileWidth == tileRays);
+/// Bit g: group g.
+using GroupMask = std::uint32_t;
+
+constexpr float opaque = 1.f - opaqueTransmittance;
+constexpr float finished = -std::numeric_limits<float>::max();
+
+/// CommonOrigin: all rays start at the scene's reference.
+template <bool CommonOrigin>
+class TileRays
+{
+public:
+  explicit TileRays(const VolumeKernelScene& scene)
+    : hasHits_(scene.stops.hits.has_value())
+    , scene_(scene)
+    , width_(scene.camera.width())
+    , height_(scene.camera.height())
+  {
+  }
+
+  /// Rays of a group are 4 x 4 neighbours, groups 4 x 4 in the tile.
+  static constexpr int xInTile(int ray) { return 4 * (ray >> 4 & 3) + (ray & 3); }
+  static constexpr int yInTile(int ray) { return 4 * (ray >> 6) + (ray >> 2 & 3); }
+  static constexpr int groupInTile(int x, int y) { return x / 4 + y / 4 * 4; }
+
+  float toKernel(int axis, double data) const noexcept
+  {
+    return static_cast<float>((data - scene_.reference[axis]) * scene_.dataScale);
+  }
+
+  /// Starts with those of the tile at (x0, y0); the groups of which a ray has a part to draw.
+  GroupMask makeRays(int x0, int y0)
+  {
+    if constexpr (CommonOrigin)
+    {
+      makeFan(x0, y0);
+    }
+    parts_ = 1;
+    const bool isCut = hasHits_ || !scene_.stops.cut.isEmpty();
+    GroupMask active = 0;
+    for (int r = 0; r < tileRays; ++r)
+    {
+      red_[r] = green_[r] = blue_[r] = opacity_[r] = 0.f;
+      const int x = x0 + xInTile(r);
+      const int y = y0 + yInTile(r);
+      nextHitT_[r] = std::numeric_limits<float>::infinity();
+      for (int part = 1; part < parts_; ++part)
+      {
+        end_[part][r] = finished;
+      }
+      if (x >= width_ || y >= height_)
+      {
+        end_[0][r] = finished;
+        continue;
+      }
+      if (CommonOrigin && !isCut && !scene_.stops.beginDepth && !scene_.stops.endDepth)
+      {
+        active |= GroupMask(1) << r / groupRays;
+        ++drawnRays_;
+        continue;
+      }
+      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+      const double begin = scene_.stops.beginDepth ? scene_.stops.beginDepth[pixel] : 0.;
+      const double end = scene_.stops.endDepth ? scene_.stops.endDepth[pixel] : 1.;
+      if (!(begin < end))
+      {
+        end_[0][r] = finished;
+        continue;
+      }
+      if constexpr (CommonOrigin)
+      {
+        begin_[0][r] = fanT(x, y, begin);
+        end_[0][r] = fanT(x, y, end);
+      }
+      else
+      {
+        makeRay(r, x, y, begin, end);
+      }
+      if (isCut)
+      {
+        cut(r, x, y);
+      }
+      if (end_[0][r] != finished)
+      {
+        active |= GroupMask(1) << r / groupRays;
+        ++drawnRays_;
+      }
+    }
+    return active;
+  }
+
+  void store(int ray, float* rgba) const noexcept
+  {
+    rgba[0] = red_[ray];
+    rgba[1] = green_[ray];
+    rgba[2] = blue_[ray];
+    rgba[3] = std::min(opacity_[ray], 1.f);
+  }
+
+  /// All of the tile's, in an image's rows.
+  void storeAll(int x0, int y0, float* rgba) const noexcept
+  {
+    for (int r = 0; r < tileRays; ++r)
+    {
+      const int x = x0 + xInTile(r);
+      const int y = y0 + yInTile(r);
+      if (x < width_ && y < height_)
+      {
+        store(r, rgba + 4 * (static_cast<std::size_t>(y) * width_ + x));
+      }
+    }
+  }
+
+  HWY_INLINE Floats planeT(int axis, int ray, float plane) const
+  {
+    const FloatTag d;
+    Floats distance = hn::Set(d, plane);
+    if (!CommonOrigin)
+    {
+      distance = hn::Sub(distance, hn::Load(d, origin_[axis] + ray));
+    }
+    return hn::Mul(distance, hn::Load(d, inverse_[axis] + ray));
+  }
+
+  /// Narrows parts of rays to a box.
+  HWY_INLINE void enterBox(const Box& box, int ray, Floats& begin, Floats& end) const
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      const Floats low = planeT(a, ray, box.min[a]);
+      const Floats high = planeT(a, ray, box.max[a]);
+      begin = hn::Max(begin, hn::Min(low, high));
+      end = hn::Min(end, hn::Max(low, high));
+    }
+  }
+
+  /// For each of a node's children the groups of which a ray crosses it.
+  HWY_INLINE void crossChildren(
+    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+  {
+    parts_ == 1 ? cross<true>(box, middle, active, children) : crossParts(box, middle, active, children);
+  }
+
+  /// Takes the rays from `ray` on across the hits that they have come to before `end`; false when there are none. begin
+  /// and end: of what is left.
+  HWY_INLINE bool crossHits(int part, int ray, Floats& begin, Floats& end)
+  {
+    const FloatTag d;
+    const Floats hit = hn::Load(d, nextHitT_ + ray);
+    const Mask meets = hn::And(hn::Lt(begin, end), hn::Lt(hit, end));
+    if (hn::AllFalse(d, meets))
+    {
+      return false;
+    }
+    std::uint8_t bits[(lanes + 7) / 8] = {};
+    hn::StoreMaskBits(d, meets, bits);
+    for (int i = 0; i < lanes; ++i)
+    {
+      if (bits[i / 8] >> i % 8 & 1)
+      {
+        crossHit(ray + i);
+      }
+    }
+    begin = hn::IfThenElse(meets, hn::Max(begin, hit), end); // the other rays are through
+    end = hn::Min(end, hn::Load(d, end_[part] + ray));       // a ray may be finished
+    return true;
+  }
+
+  /// After the walk: the hits that no block was visited behind.
+  void crossLastHits() noexcept
+  {
+    for (int r = 0; hasHits_ && r < tileRays; ++r)
+    {
+      while (nextHitT_[r] < std::numeric_limits<float>::infinity())
+      {
+        crossHit(r);
+      }
+    }
+  }
+
+  HWY_ALIGN float origin_[3][tileRays] = {}; // unless common
+  HWY_ALIGN float direction_[3][tileRays] = {};
+  HWY_ALIGN float inverse_[3][tileRays] = {};
+  HWY_ALIGN float begin_[RayParts::most][tileRays] = {};
+  HWY_ALIGN float end_[RayParts::most][tileRays] = {};
+  HWY_ALIGN float lengthPerT_[tileRays] = {}; // world length per t
+  HWY_ALIGN float red_[tileRays];
+  HWY_ALIGN float green_[tileRays];
+  HWY_ALIGN float blue_[tileRays];
+  HWY_ALIGN float opacity_[tileRays];
+  int parts_ = 1; // of begin_ and end_ in use: the most of any ray
+  bool hasHits_;
+  HWY_ALIGN float nextHitT_[tileRays]; // with hits only; infinite: none
+  std::uint64_t drawnRays_ = 0;        // of all tiles so far
+
+private:
+  /// Finds the ray's hits, and leaves its parts.
+  void cut(int r, int x, int y)
+  {
+    if (hasHits_)
+    {
+      const std::size_t pixel = static_cast<std::size_t>(y) * width_ + x;
+      nextHit_[r] = scene_.stops.hits->first[pixel];
+      endOfHits_[r] = scene_.stops.hits->first[pixel + 1];
+      while (nextHit_[r] != endOfHits_[r] && hitT(r, nextHit_[r]) < begin_[0][r])
+      {
+        ++nextHit_[r];
+      }
+      while (nextHit_[r] != endOfHits_[r] && !(hitT(r, endOfHits_[r] - 1) < end_[0][r]))
+      {
+        --endOfHits_[r];
+      }
+      findHit(r);
+    }
+    if (!scene_.stops.cut.isEmpty())
+    {
+      const RayParts parts = CommonOrigin ? cutFan(r, x, y) : cutRay(r, x, y);
+      while (parts_ < parts.count)
+      {
+        std::fill_n(end_[parts_++], tileRays, finished);
+      }
+      end_[0][r] = finished;
+      for (int part = 0; part < parts.count; ++part)
+      {
+        begin_[part][r] = tToKernel(parts.begin[part]);
+        end_[part][r] = tToKernel(parts.end[part]);
+      }
+    }
+  }
+
+  RayParts cutFan(int r, int x, int y) const noexcept
+  {
+    const PixelFan& fan = scene_.fan;
+    Vec3 direction;
+    for (int a = 0; a < 3; ++a)
+    {
+      direction[a] = fan.direction[a] + x * fan.perX[a] + y * fan.perY[a];
+    }
+    return scene_.stops.cut.parts(
+      scene_.reference, direction, begin_[0][r] / scene_.scale, end_[0][r] / scene_.scale);
+  }
+
+  RayParts cutRay(int r, int x, int y) const noexcept
+  {
+    const Ray ray = scene_.camera.ray(x, y);
+    return scene_.stops.cut.parts(ray.origin, ray.direction, begin_[0][r] / scene_.scale + scene_.tReference,
+      end_[0][r] / scene_.scale + scene_.tReference);
+  }
+
+  void findHit(int r) noexcept
+  {
+    nextHitT_[r] =
+      nextHit_[r] != endOfHits_[r] ? hitT(r, nextHit_[r]) : std::numeric_limits<float>::infinity();
+  }
+
+  /// Takes a ray across the hit that it has come to.
+  HWY_NOINLINE void crossHit(int r) noexcept
+  {
+    const std::array<float, 4>& rgba = scene_.stops.hits->hits[nextHit_[r]].rgba;
+    const float weight = opacity_[r] > opaque ? 0.f : (1.f - opacity_[r]) * rgba[3];
+    red_[r] += weight * rgba[0];
+    green_[r] += weight * rgba[1];
+    blue_[r] += weight * rgba[2];
+    opacity_[r] += weight;
+    for (int part = 0; opacity_[r] > opaque && part < parts_; ++part)
+    {
+      end_[part][r] = finished;
+    }
+    ++nextHit_[r];
+    findHit(r);
+  }
+
+  float fanT(int x, int y, double depth) const noexcept
+  {
+    const PixelFan& fan = scene_.fan;
+    return static_cast<float>(scene_.scale /
+      (fan.inverseT + x * fan.inverseTPerX + y * fan.inverseTPerY + depth * fan.inverseTPerDepth));
+  }
+
+  /// Away from zero, keeping its sign: a ray parallel to a face has no reciprocal, and this tiny slope sorts it
+  /// into one side of any plane.
+  static HWY_INLINE Floats awayFromZero(Floats v)
+  {
+    const FloatTag d;
+    return hn::CopySign(hn::Max(hn::Abs(v), hn::Set(d, 1e-20f)), v);
+  }
+
+  void makeFan(int x0, int y0)
+  {
+    const FloatTag d;
+    const PixelFan& fan = scene_.fan;
+    HWY_ALIGN static constexpr float xs[groupRays] = { 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3 };
+    HWY_ALIGN static constexpr float ys[groupRays] = { 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
+    const Matrix4& m = scene_.camera.worldFromData();
+    const double toKernel = scene_.dataScale / scene_.scale; // of slopes
+    for (int ray = 0; ray < tileRays; ray += lanes)
+    {
+      const Floats x = hn::Load(d, xs + ray % groupRays);
+      const Floats y = hn::Load(d, ys + ray % groupRays);
+      const int groupX = x0 + xInTile(ray & ~(groupRays - 1));
+      const int groupY = y0 + yInTile(ray & ~(groupRays - 1));
+      Floats direction[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        const double first = toKernel * (fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a]);
+        direction[a] = mulAdd(x, hn::Set(d, static_cast<float>(toKernel * fan.perX[a])),
+          mulAdd(y, hn::Set(d, static_cast<float>(toKernel * fan.perY[a])),
+            hn::Set(d, static_cast<float>(first))));
+        hn::Store(direction[a], d, direction_[a] + ray);
+        hn::Store(hn::Div(hn::Set(d, 1.f), awayFromZero(direction[a])), d, inverse_[a] + ray);
+      }
+      Floats squared = hn::Zero(d);
+      for (int r = 0; r < 3; ++r)
+      {
+        Floats w = hn::Zero(d);
+        for (int a = 0; a < 3; ++a)
+        {
+          w = mulAdd(hn::Set(d, static_cast<float>(m[4 * r + a] / toKernel)), direction[a], w);
+        }
+        squared = mulAdd(w, w, squared);
+      }
+      hn::Store(hn::Sqrt(squared), d, lengthPerT_ + ray);
+      const Floats perX = hn::Set(d, static_cast<float>(fan.inverseTPerX / scene_.scale));
+      const Floats perY = hn::Set(d, static_cast<float>(fan.inverseTPerY / scene_.scale));
+      const double first =
+        (fan.inverseT + groupX * fan.inverseTPerX + groupY * fan.inverseTPerY) / scene_.scale;
+      const Floats near = mulAdd(x, perX, mulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
+      const Floats far = mulAdd(x, perX,
+        mulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
+      hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_[0] + ray);
+      hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_[0] + ray);
+    }
+  }
+
+  void makeRay(int r, int x, int y, double begin, double end)
+  {
+    const Ray ray = scene_.camera.ray(x, y);
+    const Bounds domain = scene_.field.octree().grid().bounds();
+    begin_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
+    end_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, end));
+    lengthPerT_[r] = 1.f;
+    for (int a = 0; a < 3; ++a)
+    {
+      constexpr float tiny = 1e-20f;
+      const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
+      direction_[a][r] = slope;
+      origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
+      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
+      if (slope == 0.f)
+      {
+        // Beside the planes that it may run in: above them, below the domain's upper face.
+        const float aside = 0x1p-23f * std::max(1.f, std::abs(origin_[a][r]));
+        origin_[a][r] += origin_[a][r] < toKernel(a, domain.max[a]) ? aside : -aside;
+      }
+    }
+  }
+
+  float tToKernel(double t) const noexcept
+  {
+    return static_cast<float>((t - scene_.tReference) * scene_.scale);
+  }
+
+  /// Where the ray's begin_ and end_ count.
+  float hitT(int r, std::size_t hit) const noexcept
+  {
+    const double t = scene_.stops.hits->hits[hit].t;
+    return CommonOrigin ? static_cast<float>(t * scene_.scale / lengthPerT_[r]) : tToKernel(t);
+  }
+
+  /// For each of a node's children the groups of which a ray crosses it. OnePart: no ray of the tile has more.
+  template <bool OnePart>
+  HWY_INLINE void cross(
+    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+  {
+    const FloatTag d;
+    for (GroupMask& child : children)
+    {
+      child = 0;
+    }
+    for (; active != 0; active &= active - 1)
+    {
+      const int group = std::countr_zero(active);
+      unsigned any = 0; // mask of children
+      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
+      {
+        Floats begin[3][2];
+        Floats end[3][2];
+        for (int a = 0; a < 3; ++a)
+        {
+          const Floats low = planeT(a, ray, box.min[a]);
+          const Floats mid = planeT(a, ray, middle[a]);
+          const Floats high = planeT(a, ray, box.max[a]);
+          begin[a][0] = hn::Min(low, mid);
+          end[a][0] = hn::Max(low, mid);
+          begin[a][1] = hn::Min(mid, high);
+          end[a][1] = hn::Max(mid, high);
+        }
+        for (int part = 0; part < (OnePart ? 1 : parts_); ++part)
+        {
+          const Floats rayBegin = hn::Load(d, begin_[part] + ray);
+          const Floats rayEnd = hn::Load(d, end_[part] + ray);
+          for (int z = 0; z < 2; ++z)
+          {
+            const Floats beginZ = hn::Max(begin[2][z], rayBegin);
+            const Floats endZ = hn::Min(end[2][z], rayEnd);
+            for (int y = 0; y < 2; ++y)
+            {
+              const Floats beginYZ = hn::Max(begin[1][y], beginZ);
+              const Floats endYZ = hn::Min(end[1][y], endZ);
+              for (int x = 0; x < 2; ++x)
+              {
+                const Mask crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
+                any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
+              }
+            }
+          }
+        }
+      }
+      for (int c = 0; c < 8; ++c)
+      {
+        children[c] |= static_cast<GroupMask>(any >> c & 1) << group;
+      }
+    }
+  }
+
+  HWY_NOINLINE void crossParts(
+    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+  {
+    cross<false>(box, middle, active, children);
+  }
+
+  const VolumeKernelScene& scene_;
+  int width_;
+  int height_;
+  std::size_t nextHit_[tileRays];
+  std::size_t endOfHits_[tileRays];
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#endif

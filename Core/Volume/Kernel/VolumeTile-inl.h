@@ -1,0 +1,672 @@
+// A tile's way through the octree: the walk, the blocks that it meets, and the steps of rays through them. Compiled once
+// for each instruction set, as Highway wants it.
+//
+// A tile of 16 x 16 rays descends the octree once, front to back. Its rays form 16 groups of 4 x 4 pixels, a
+// group filling one AVX-512 vector (or 2 or 4 narrower ones); a node's eight children are tested together
+// against the groups that met the node. A node whose children are all leaves is a block: its rays are taken
+// through it in one interval, from its 5 x 5 x 5 vertex values. Leaves beside refined nodes use their part of
+// the same values.
+#if defined(TREEAMR_VOLUMETILE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREEAMR_VOLUMETILE_INL_H
+#undef TREEAMR_VOLUMETILE_INL_H
+#else
+#define TREEAMR_VOLUMETILE_INL_H
+#endif
+
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeRays-inl.h"
+#include "Volume/Kernel/VolumeSampling-inl.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+/// See TileRays.
+template <bool CommonOrigin>
+class Tile : TileRays<CommonOrigin>
+{
+  using Rays = TileRays<CommonOrigin>;
+
+public:
+  explicit Tile(const VolumeKernelScene& scene)
+    : Rays(scene)
+    , scene_(scene)
+    , octree_(scene.field.octree())
+    , grid_(octree_.grid())
+    , evaluator_(scene.field)
+    , writer_(scene.kept)
+    , table_(&scene.table.entries.data()->r)
+    , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
+  {
+  }
+
+  void render(int x0, int y0)
+  {
+    integrateRays(x0, y0, ~GroupMask(0));
+    finish(x0, y0);
+  }
+
+  /// Groups of one tile alone.
+  void renderGroups(int x0, int y0, std::span<const PixelGroup> wanted, float* rgba)
+  {
+    GroupMask mask = 0;
+    for (const PixelGroup& group : wanted)
+    {
+      mask |= GroupMask(1) << groupInTile(group.x - x0, group.y - y0);
+    }
+    integrateRays(x0, y0, mask);
+    for (const PixelGroup& group : wanted)
+    {
+      const int first = groupInTile(group.x - x0, group.y - y0) * groupRays;
+      for (int r = first; r < first + groupRays; ++r, rgba += 4)
+      {
+        store(r, rgba);
+      }
+    }
+  }
+
+  /// The work of a frame without its walk: the tile's rays go through one box of a position in the table, as often
+  /// as asked for.
+  void repeatInCache(int x0, int y0, float position, int repeats)
+  {
+    const GroupMask active = makeRays(x0, y0);
+    record_ = {};
+    const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
+      std::numeric_limits<float>::max(), false };
+    // Around the point of the middle ray at half of its length, wide enough for all.
+    constexpr int ray = tileRays / 2;
+    const float t = 0.5f * (begin_[0][ray] + std::min(end_[0][ray], begin_[0][ray] + 2.f));
+    const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
+    Box box;
+    for (int a = 0; a < 3; ++a)
+    {
+      const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
+      box.min[a] = middle - half;
+      box.max[a] = middle + half;
+    }
+    const Lattice lattice(box);
+    for (int repeat = 0; repeat < repeats; ++repeat)
+    {
+      integrate(block, box, lattice, active);
+    }
+    finish(x0, y0);
+  }
+
+  VolumeStatistics statistics() const noexcept
+  {
+    VolumeStatistics statistics = statistics_;
+    statistics.rays = drawnRays_;
+    return statistics;
+  }
+
+private:
+  using Rays::begin_;
+  using Rays::blue_;
+  using Rays::crossChildren;
+  using Rays::crossHits;
+  using Rays::crossLastHits;
+  using Rays::direction_;
+  using Rays::drawnRays_;
+  using Rays::end_;
+  using Rays::enterBox;
+  using Rays::green_;
+  using Rays::groupInTile;
+  using Rays::hasHits_;
+  using Rays::lengthPerT_;
+  using Rays::makeRays;
+  using Rays::nextHitT_;
+  using Rays::opacity_;
+  using Rays::origin_;
+  using Rays::parts_;
+  using Rays::red_;
+  using Rays::store;
+  using Rays::storeAll;
+  using Rays::toKernel;
+
+  void integrateRays(int x0, int y0, GroupMask wanted)
+  {
+    walk(makeRays(x0, y0) & wanted);
+    crossLastHits();
+  }
+
+  HWY_NOINLINE void walk(GroupMask active)
+  {
+    const NodeRef root = octree_.root();
+    Range range = scene_.field.range();
+    if (active != 0 && !root.isNone() && isVisible(root, range))
+    {
+      path_.depth = 0;
+      index_ = {};
+      const Bounds bounds = grid_.nodeBounds(index_, 0);
+      Box box;
+      for (int a = 0; a < 3; ++a)
+      {
+        box.min[a] = toKernel(a, bounds.min[a]);
+        box.max[a] = toKernel(a, bounds.max[a]);
+      }
+      root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
+    }
+  }
+
+  void finish(int x0, int y0) noexcept
+  {
+    statistics_.samples = std::accumulate(samples_, samples_ + lanes, statistics_.samples);
+    std::fill_n(samples_, lanes, 0);
+    storeAll(x0, y0, scene_.image->rgba.data());
+  }
+
+  /// range: the parent's, and the node's on return when empty nodes are skipped.
+  bool isVisible(NodeRef node, Range& range) const noexcept
+  {
+    if (!node.isInner() || !scene_.ranges)
+    {
+      return true;
+    }
+    range = scene_.ranges->of(node.index(), range);
+    return scene_.transferFunction.isVisible(range);
+  }
+
+  void visit(std::uint64_t node, const Box& box, GroupMask active, Range range)
+  {
+    ++statistics_.nodes;
+    const Octree::Children children = octree_.children(node);
+    const bool constants = scene_.features.categories;
+    if (!constants && isBlock(node, children))
+    {
+      visitBlock(node, BlockCells::Leaves, box, active);
+      return;
+    }
+    if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(node, children, box))
+    {
+      visitBlock(node, BlockCells::Means, box, active);
+      return;
+    }
+    unsigned wanted = 0; // mask of children
+    std::array<Range, 8> ranges;
+    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const NodeRef child(NodeKind::Inner, path_.depth + 1, children.innerIndex(octant));
+      ranges[octant] = range;
+      wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
+    }
+    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const std::uint64_t leaf = children.leafIndex(octant);
+      const bool isWanted = !octree_.isGhost(leaf) && !(constants && isSkipped(leaf));
+      wanted |= static_cast<unsigned>(isWanted) << octant;
+    }
+    if (wanted == 0)
+    {
+      return;
+    }
+    std::array<float, 3> middle;
+    Vec3 planes;
+    for (int a = 0; a < 3; ++a)
+    {
+      planes[a] = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
+      middle[a] = toKernel(a, planes[a]);
+    }
+    const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
+    // Memory is on its way while rays are tested.
+    prefetchNodes(children);
+    GroupMask crossing[8];
+    crossChildren(box, middle, active, crossing);
+    prefetchContents(children, wanted, crossing);
+    bool hasValues = false;
+    Block block;
+    for (int i = 0; i < 8; ++i)
+    {
+      const int octant = i ^ nearest;
+      if (!(wanted >> octant & 1) || crossing[octant] == 0)
+      {
+        continue;
+      }
+      Box childBox;
+      for (int a = 0; a < 3; ++a)
+      {
+        const bool upper = octant >> a & 1;
+        childBox.min[a] = upper ? middle[a] : box.min[a];
+        childBox.max[a] = upper ? box.max[a] : middle[a];
+      }
+      if (children.leaf >> octant & 1)
+      {
+        if (constants)
+        {
+          integrateConstant(children.leafIndex(octant), childBox, crossing[octant]);
+          continue;
+        }
+        if (!hasValues)
+        {
+          if (!prepareBlock(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
+          {
+            wanted &= ~children.leaf;
+            continue;
+          }
+          hasValues = true;
+        }
+        integrate(block, childBox, Lattice(childBox, octant), crossing[octant]);
+        continue;
+      }
+      const auto index = index_;
+      index_ = indexOfChild(index_, octant);
+      path_.descend(octant, children.innerIndex(octant));
+      visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
+      path_.ascend();
+      index_ = index;
+      // The subtree may have used the buffers.
+      hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
+    }
+  }
+
+  /// What says where the children have their own children and values.
+  HWY_INLINE void prefetchNodes(const Octree::Children& children) const noexcept
+  {
+    if (children.inner() != 0)
+    {
+      octree_.prefetchChildren(children.firstInner);
+      scene_.kept.prefetchSlot(children.firstInner, BlockCells::Leaves);
+    }
+  }
+
+  /// Values and ranges of the children that will be visited.
+  HWY_INLINE void prefetchContents(
+    const Octree::Children& children, unsigned wanted, const GroupMask (&crossing)[8]) const noexcept
+  {
+    for (unsigned rest = children.inner() & wanted; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      if (crossing[octant] == 0)
+      {
+        continue;
+      }
+      const std::uint64_t child = children.innerIndex(octant);
+      const Octree::Children below = octree_.children(child);
+      if (below.leaf != 0)
+      {
+        scene_.kept.prefetchRecord(child, BlockCells::Leaves);
+      }
+      if (below.inner() != 0 && scene_.ranges)
+      {
+        scene_.ranges->prefetch(below.firstInner);
+      }
+    }
+  }
+
+  /// Whether the node's children are drawn together.
+  bool isBlock(std::uint64_t node, const Octree::Children& children) const noexcept
+  {
+    // Above the root trees widths may differ and parts be missing.
+    return children.allLeaves() && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node);
+  }
+
+  bool isDrawnByMeans(std::uint64_t node, const Octree::Children& children, const Box& box) const noexcept
+  {
+    return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node) &&
+      isSmall(box);
+  }
+
+  bool isSmall(const Box& box) const noexcept
+  {
+    double squared = 0.;
+    double width = 0.;
+    for (int a = 0; a < 3; ++a)
+    {
+      squared += std::pow(0.5 * (box.min[a] + box.max[a]), 2);
+      width = std::max(width, 0.5 * static_cast<double>(box.max[a] - box.min[a]));
+    }
+    const double pixel = scene_.pixelWidth + scene_.pixelGrowth * std::sqrt(squared);
+    return width < scene_.settings.levelOfDetailPixels * pixel;
+  }
+
+  /// A node's vertex values, ready for sampling.
+  struct Block
+  {
+    const std::uint16_t* steps;
+    const float* exact; // places in the table, not cut off at its ends; null unless steps are too coarse
+    ToTable toTable;
+    float variation; // of the extinction over the block's hull, per kernel unit
+    bool preIntegrate;
+  };
+
+  /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
+  bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * scene_.table.last); }
+
+  /// Finds the values of a node's children or computes and keeps them. False when nothing of them is visible.
+  bool prepareBlock(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
+  {
+    const BlockCache::Found found = scene_.kept.find(node, cells);
+    Range range = found.range;
+    block.exact = nullptr;
+    if (found.record)
+    {
+      ++statistics_.kept;
+      block.steps = found.record->values.data();
+    }
+    else
+    {
+      compute(cells);
+      range = values_.range;
+    }
+    if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
+    {
+      if (!found.record)
+      {
+        writer_.keep(node, cells, values_);
+      }
+      return false;
+    }
+    const TransferFunction& tf = scene_.transferFunction;
+    const KernelTable& table = scene_.table;
+    const double scale = tf.scale() * table.perEntry;
+    const double first = tf.position(range.min) * table.perEntry;
+    const double last = tf.position(range.max) * table.perEntry;
+    const double offset = (range.min - tf.min()) * scale;
+    const double width = static_cast<double>(range.max) - range.min;
+    block.toTable = { static_cast<float>(width * scale / BlockRecord::steps), static_cast<float>(offset),
+      static_cast<float>(first), static_cast<float>(last) };
+    const auto firstEntry = static_cast<std::size_t>(first);
+    const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
+    const double variation = table.variation[lastEntry] - table.variation[firstEntry];
+    block.variation = static_cast<float>(variation);
+    block.preIntegrate = scene_.features.preIntegration &&
+      pointSampleError(
+        scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
+          leafWidth >
+        pointSampleTolerance;
+    if (!found.record)
+    {
+      const BlockRecord* kept = writer_.keep(node, cells, values_);
+      if (!kept)
+      {
+        record_ = BlockRecord(values_);
+        kept = &record_;
+      }
+      block.steps = kept->values.data();
+    }
+    if (isCoarse(block.toTable))
+    {
+      if (found.record)
+      {
+        compute(cells);
+      }
+      // Places in the table at once: a difference from a huge end of the hull would have lost the other values'
+      // digits. So far away, all that matters is that they are finite.
+      constexpr double far = 0x1p100;
+      for (std::size_t i = 0; i < values_.values.size(); ++i)
+      {
+        exact_[i] = static_cast<float>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
+      }
+      block.exact = exact_;
+      block.toTable.scale = 1.f;
+      block.toTable.offset = 0.f;
+    }
+    return true;
+  }
+
+  void compute(BlockCells cells)
+  {
+    evaluator_.compute(path_, cells, values_);
+    ++statistics_.blocks;
+    const Octree::Children children = octree_.children(path_.node[path_.depth]);
+    statistics_.cells += std::popcount(children.leaf);
+  }
+
+  void visitBlock(std::uint64_t node, BlockCells cells, const Box& box, GroupMask active)
+  {
+    Block block;
+    if (prepareBlock(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
+    {
+      integrate(block, box, Lattice(box), active);
+    }
+  }
+
+  /// A tree without inner nodes: one constant.
+  void visitOnlyLeaf(const Box& box, GroupMask active)
+  {
+    if (!octree_.isGhost(0))
+    {
+      integrateConstant(0, box, active);
+    }
+  }
+
+  float positionOf(std::uint64_t leaf) const noexcept
+  {
+    const float value = scene_.field.leafValues()[leaf];
+    return static_cast<float>(scene_.transferFunction.position(value) * scene_.table.perEntry);
+  }
+
+  /// Whether a leaf of a category is transparent and such ones are left out.
+  bool isSkipped(std::uint64_t leaf) const noexcept
+  {
+    return scene_.settings.skipEmpty &&
+      scene_.table.entries[static_cast<std::size_t>(positionOf(leaf))].extinction == 0.f;
+  }
+
+  /// A leaf whose value is the same everywhere in it.
+  void integrateConstant(std::uint64_t leaf, const Box& box, GroupMask active)
+  {
+    alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
+    const float position = positionOf(leaf);
+    integrate({ noSteps.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
+      Lattice(box), active);
+  }
+
+  void integrate(const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  {
+    if (block.exact)
+    {
+      integrate(ExactValues{ block.exact }, block, box, lattice, active);
+    }
+    else
+    {
+      integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
+    }
+  }
+
+  template <class Values>
+  void integrate(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  {
+    for (; active != 0; active &= active - 1)
+    {
+      const int group = std::countr_zero(active);
+      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
+      {
+        if (hasHits_ || parts_ > 1)
+        {
+          block.preIntegrate ? integrateFromStopToStop<true>(values, block, box, lattice, ray)
+                             : integrateFromStopToStop<false>(values, block, box, lattice, ray);
+          continue;
+        }
+        block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
+                           : integrate<false>(values, block, box, lattice, ray);
+      }
+    }
+  }
+
+  /// Takes the rays from `ray` on through a box.
+  template <bool PreIntegrated, class Values>
+  HWY_INLINE void integrate(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
+  {
+    const FloatTag d;
+    Floats begin = hn::Load(d, begin_[0] + ray);
+    Floats end = hn::Load(d, end_[0] + ray);
+    enterBox(box, ray, begin, end);
+    integratePart<PreIntegrated>(values, block, lattice, ray, begin, end);
+  }
+
+  /// The same, from stop to stop.
+  template <bool PreIntegrated, class Values>
+  HWY_NOINLINE void integrateFromStopToStop(
+    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
+  {
+    const FloatTag d;
+    for (int part = 0; part < parts_; ++part)
+    {
+      Floats begin = hn::Load(d, begin_[part] + ray);
+      Floats end = hn::Load(d, end_[part] + ray);
+      enterBox(box, ray, begin, end);
+      do
+      {
+        const Floats stop = hasHits_ ? hn::Min(end, hn::Load(d, nextHitT_ + ray)) : end;
+        integratePart<PreIntegrated>(values, block, lattice, ray, begin, stop);
+      }
+      while (hasHits_ && crossHits(part, ray, begin, end));
+    }
+  }
+
+  /// Takes the rays from `ray` on from begin to end in a block: by midpoint samples, or by the transfer function's
+  /// integrals over what the field covers in each step.
+  template <bool PreIntegrated, class Values>
+  HWY_INLINE void integratePart(
+    const Values& values, const Block& block, const Lattice& lattice, int ray, Floats begin, Floats end)
+  {
+    const FloatTag d;
+    const Mask crosses = hn::Lt(begin, end);
+    if (hn::AllFalse(d, crosses))
+    {
+      return;
+    }
+    ++statistics_.intervals;
+    const Floats length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
+    Span span;
+    Floats squared = hn::Zero(d);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Floats direction = hn::Load(d, direction_[a] + ray);
+      const Floats scale = hn::Set(d, lattice.scale[a]);
+      Floats corner = hn::Set(d, -lattice.min[a]);
+      if (!CommonOrigin)
+      {
+        corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
+      }
+      span.start[a] = hn::Mul(mulAdd(begin, direction, corner), scale);
+      span.slope[a] = hn::Mul(direction, scale);
+      squared = mulAdd(span.slope[a], span.slope[a], squared);
+    }
+    const Floats opacity = hn::Load(d, opacity_ + ray);
+    const Floats transmittance = hn::Sub(hn::Set(d, 1.f), opacity);
+    const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
+    // Squares: of the way in widths of a leaf, and of what the variation of optical depth on it asks for.
+    const Floats widths = hn::Mul(hn::Mul(squared, hn::Set(d, 0.25f)), hn::Mul(length, length));
+    const Floats variation = hn::Mul(hn::Mul(length, lengthPerT),
+      hn::Mul(
+        transmittance, hn::Set(d, samplesPerRootVariation * samplesPerRootVariation * block.variation)));
+    const Floats wanted = hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
+    const float mostSamples = chooseSteps(hn::IfThenElseZero(crosses, wanted), length, span);
+    span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
+    span.samples = hn::IfThenElseZero(crosses, span.samples);
+    hn::Store(hn::Add(hn::Load(IntTag(), samples_), hn::NearestInt(span.samples)), IntTag(), samples_);
+    statistics_.steps += static_cast<std::uint64_t>(mostSamples);
+
+    Light light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
+      hn::Load(d, blue_ + ray) };
+    if constexpr (PreIntegrated)
+    {
+      takeIntegrals(scene_.table, span, mostSamples, values, block.toTable, lattice, light);
+      statistics_.litSteps += static_cast<std::uint64_t>(mostSamples);
+    }
+    else
+    {
+      float i = 0.f;
+      for (; i + 1.f < mostSamples; i += 2.f)
+      {
+        statistics_.litSteps += takePoints<2>(table_, span, i, values, block.toTable, lattice, light);
+      }
+      if (i < mostSamples)
+      {
+        statistics_.litSteps += takePoints<1>(table_, span, i, values, block.toTable, lattice, light);
+      }
+    }
+    hn::Store(light.opacity, d, opacity_ + ray);
+    hn::Store(light.red, d, red_ + ray);
+    hn::Store(light.green, d, green_ + ray);
+    hn::Store(light.blue, d, blue_ + ray);
+    const Mask done = hn::Gt(light.opacity, hn::Set(d, opaque));
+    int part = 0;
+    do
+    {
+      float* ends = end_[part] + ray;
+      hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, ends)), d, ends);
+    }
+    while (++part < parts_);
+  }
+
+  const VolumeKernelScene& scene_;
+  const Octree& octree_;
+  const RootGrid& grid_;
+  BlockPath path_;
+  BlockEvaluator evaluator_;
+  BlockCache::Writer writer_;
+  const float* table_;
+  float samplesPerCell_;
+  BlockValues values_; // computed last
+  BlockRecord record_;
+  HWY_ALIGN float exact_[128] = {};
+
+  std::array<Coord, 3> index_{};
+
+  VolumeStatistics statistics_;
+  HWY_ALIGN std::int32_t samples_[lanes] = {}; // by lane: summing a vector up at each interval takes longer
+};
+
+template <bool CommonOrigin>
+VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
+{
+  Tile<CommonOrigin> tile(scene);
+  for (int column = 0; column < columns; ++column)
+  {
+    tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, position, repeats);
+  }
+  return tile.statistics();
+}
+
+template <bool CommonOrigin>
+void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
+{
+  Tile<CommonOrigin> tile(scene);
+  while (!groups.empty())
+  {
+    const int x = groups.front().x / volumeTileWidth * volumeTileWidth;
+    const int y = groups.front().y / volumeTileWidth * volumeTileWidth;
+    std::size_t inTile = 1;
+    while (inTile < groups.size() && groups[inTile].x / volumeTileWidth * volumeTileWidth == x &&
+      groups[inTile].y / volumeTileWidth * volumeTileWidth == y)
+    {
+      ++inTile;
+    }
+    tile.renderGroups(x, y, groups.first(inTile), rgba);
+    rgba += inTile * PixelGroup::rgbaSize;
+    groups = groups.subspan(inTile);
+  }
+}
+
+template <bool CommonOrigin>
+VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+{
+  Tile<CommonOrigin> tile(scene);
+  for (int column = columnBegin; column < columnEnd; ++column)
+  {
+    tile.render(column * volumeTileWidth, row * volumeTileWidth);
+  }
+  return tile.statistics();
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#endif
