@@ -7,6 +7,7 @@
 #pragma once
 
 #include "Error.h"
+#include "Octree/MortonKey.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
@@ -27,15 +28,7 @@ using MortonKey = std::uint64_t;
 
 inline MortonKey mortonKey(const std::array<std::uint32_t, 3>& index) noexcept
 {
-  MortonKey key = 0;
-  for (int bit = 0; bit < 21; ++bit)
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      key |= static_cast<MortonKey>(index[a] >> bit & 1) << (3 * bit + a);
-    }
-  }
-  return key;
+  return interleave(index[0], index[1], index[2]);
 }
 
 inline std::array<std::uint32_t, 3> mortonIndex(MortonKey key) noexcept
