@@ -3,6 +3,7 @@
 #include "MapperMessages.h"
 #include "SceneConversion.h"
 #include "SurfaceActorView.h"
+#include "vtkTreeAMRIsosurfaceActor.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
 #include "vtkTreeAMRVolumeMapper.h"
 
@@ -10,6 +11,7 @@
 #include "vtkCameraPass.h"
 #include "vtkCullerCollection.h"
 #include "vtkImageProcessingPass.h"
+#include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkPropCollection.h"
 #include "vtkRenderStepsPass.h"
@@ -96,16 +98,31 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer)
     const bool isSurface = actor && vtkTreeAMRIsosurfaceMapper::SafeDownCast(actor->GetMapper());
     if (isSurface && actor->HasTranslucentPolygonalGeometry())
     {
-      scene.surfaces.push_back(actor);
+      if (vtkMath::AreBoundsInitialized(actor->GetMapper()->GetBounds())) // else there is nothing of it here
+      {
+        scene.surfaces.push_back(actor);
+      }
     }
     else if (!isSurface && (prop->HasTranslucentPolygonalGeometry() || hasVolumes(prop)))
     {
       return {};
     }
   }
-  if (scene.volume && !drawsVolumesLast(renderer))
+  const bool canBeVolume = drawsVolumesLast(renderer);
+  if (scene.volume && !canBeVolume)
   {
     return {};
+  }
+  const auto own = std::find_if(scene.surfaces.begin(), scene.surfaces.end(),
+    [](vtkActor* actor) { return vtkTreeAMRIsosurfaceActor::SafeDownCast(actor) != nullptr; });
+  scene.isDrawnAsVolume = scene.volume || (canBeVolume && own != scene.surfaces.end());
+  if (scene.volume)
+  {
+    scene.drawer = scene.volume;
+  }
+  else if (!scene.surfaces.empty())
+  {
+    scene.drawer = scene.isDrawnAsVolume ? *own : scene.surfaces.front();
   }
   return scene;
 }

@@ -3,8 +3,9 @@
 //
 // vtkDualDepthPeelingPass sorts by drawing all layers once for each that it takes off, keeps colours in 8 bits and
 // walks through a volume from peel to peel. Where nothing of others lies between, the surfaces' hits and the volume
-// are composited along each ray instead: the surfaces draw nothing themselves, the volume draws them with itself;
-// without a volume the first of the surfaces draws all.
+// are composited along each ray instead: one of the props draws all of them, the others nothing. That is the volume;
+// without one a vtkTreeAMRIsosurfaceActor, which is asked to draw with the volumes, too; else the first of the actors,
+// as one layer of polygons.
 #pragma once
 
 #include "SurfaceShading.h"
@@ -14,6 +15,7 @@
 #include <vector>
 
 class vtkActor;
+class vtkProp;
 class vtkRenderer;
 class vtkTreeAMRIsosurfaceMapper;
 class vtkVolume;
@@ -23,11 +25,14 @@ namespace treeamr
 
 struct SurfaceActorView;
 
-/// The props of a renderer that are translucent, visible and not culled.
+/// The props of a renderer that are translucent, visible and not culled, and which of them draws all.
 struct TranslucentScene
 {
   std::vector<vtkActor*> surfaces; // of vtkTreeAMRIsosurfaceMapper, as the renderer has them
   vtkVolume* volume = nullptr;     // of vtkTreeAMRVolumeMapper
+  vtkProp* drawer = nullptr;
+  /// When volumes are drawn, where nothing has to be peeled; else with the translucent polygons.
+  bool isDrawnAsVolume = false;
 
   bool has(const vtkActor* actor) const;
 };

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <span>
 
 //------------------------------------------------------------------------------
@@ -259,10 +260,14 @@ void vtkTreeAMRVolumeMapper::DrawPeeled(Picture& picture)
   }
   frame.CompositingSeconds += begun - start;
   back.Simplify();
-  const vtkTreeAMRRayImage frontImage = this->Trace(picture, front);
+  std::optional<vtkTreeAMRRayImage> frontImage;
+  if (!front.IsEmpty())
+  {
+    frontImage = this->Trace(picture, front);
+  }
   const vtkTreeAMRRayImage backImage = this->Trace(picture, back);
   const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
-  internals.DepthPeeling.Draw(picture.Renderer, frontImage, backImage);
+  internals.DepthPeeling.Draw(picture.Renderer, frontImage ? &*frontImage : nullptr, backImage);
 }
 
 //------------------------------------------------------------------------------

@@ -10,6 +10,7 @@
 #include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkPropCollection.h"
+#include "vtkRenderer.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceActor);
@@ -120,4 +121,16 @@ void vtkTreeAMRIsosurfaceActor::Render(vtkRenderer* renderer, vtkMapper* mapper)
   {
     this->Superclass::Render(renderer, mapper);
   }
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRIsosurfaceActor::RenderVolumetricGeometry(vtkViewport* viewport)
+{
+  auto mapper = vtkTreeAMRIsosurfaceMapper::SafeDownCast(this->Mapper);
+  auto renderer = vtkRenderer::SafeDownCast(viewport);
+  if (mapper && renderer && this->HasTranslucentPolygonalGeometry())
+  {
+    mapper->RenderWithVolumes(renderer, this);
+  }
+  return 0;
 }

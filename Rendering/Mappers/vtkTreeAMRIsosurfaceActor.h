@@ -44,6 +44,9 @@ public:
 
   void GetActors(vtkPropCollection* actors) override;
   void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
+  /// Translucent surfaces with which VTK has nothing to sort are drawn here, in the place of its translucent pass. They
+  /// are no volume: always 0.
+  int RenderVolumetricGeometry(vtkViewport* viewport) override;
 
 protected:
   vtkTreeAMRIsosurfaceActor();

@@ -15,8 +15,10 @@
 #include "UnsupportedSettings.h"
 #include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRDepthReader.h"
+#include "vtkTreeAMRImagePainter.h"
 #include "vtkTreeAMRSurfacePainter.h"
 #include "vtkTreeAMRTarget.h"
+#include "vtkTreeAMRVolumeMapper.h"
 
 #include "Error.h"
 
@@ -67,6 +69,8 @@ struct vtkTreeAMRIsosurfaceMapper::Internals
   }
 
   vtkTreeAMRSurfacePainter Painter;
+  vtkTreeAMRImagePainter ImagePainter;
+  vtkNew<vtkTreeAMRVolumeMapper> StandIn; // VTK's passes tell volumes what they tell no surface
   vtkTreeAMRDepthPeeling DepthPeeling;
   treeamr::FieldSlot ContourSlot;
   treeamr::SurfaceColoring Coloring;
@@ -508,9 +512,9 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   {
     treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
     hasAll = scene.has(actor);
-    if (hasAll && (scene.volume || scene.surfaces.front() != actor))
+    if (hasAll && (scene.isDrawnAsVolume || scene.drawer != actor))
     {
-      return; // the volume or the first actor draws it
+      return; // another draws it, or this one later
     }
     if (hasAll)
     {
@@ -534,6 +538,71 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
     this->MakePicture(view, actors, hasAll);
   }
   internals.Painter.Draw(renderer, actor, this, view.picture);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(vtkRenderer* renderer, vtkActor* actor)
+{
+  Internals& internals = *this->Private;
+  const treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+  const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(actor);
+  if (!scene.isDrawnAsVolume || scene.drawer != actor ||
+    (isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(internals.StandIn, actor)))
+  {
+    return;
+  }
+  const vtkTreeAMRViewport viewport = vtkTreeAMRTarget::GetViewport(renderer);
+  vtkTreeAMRRaySegments front; // of translucent polygons: there are none
+  vtkTreeAMRRaySegments rays;
+  if (isPeeling)
+  {
+    internals.DepthPeeling.Begin(
+      renderer, internals.StandIn, actor, viewport.Width, viewport.Height, front, rays);
+    rays.Begin.clear();
+  }
+  else
+  {
+    vtkTreeAMRDepthReader::Read(renderer, viewport, rays.End);
+  }
+  treeamr::ActorLayers layers(renderer, scene.surfaces, treeamr::SurfaceLayers::All);
+  const double distance = layers.chooseSampleDistance(0.);
+  const std::vector<treeamr::SurfaceShader>& shaders = layers.trace(distance);
+  if (shaders.empty())
+  {
+    return;
+  }
+  const double start = vtkTimerLog::GetUniversalTime();
+  const treeamr::ImageReduction reduction(viewport.Width, viewport.Height, distance);
+  vtkTreeAMRRayImage picture{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
+  if (reduction.isFull())
+  {
+    treeamr::flattenLayers(shaders, rays.End, picture.Image);
+  }
+  else
+  {
+    treeamr::flattenLayers(shaders, reduction.sample(rays.End), picture.Image);
+    picture.Lengths = rays.End;
+  }
+  isPeeling ? internals.DepthPeeling.Draw(renderer, nullptr, picture)
+            : internals.ImagePainter.DrawOver(renderer, picture);
+  layers.recordShading(vtkTimerLog::GetUniversalTime() - start);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::RenderWithVolumes(vtkRenderer* renderer, vtkActor* actor)
+{
+  if (renderer->GetSelector())
+  {
+    return;
+  }
+  try
+  {
+    this->DrawWithVolumes(renderer, actor);
+  }
+  catch (const std::exception& error)
+  {
+    this->Private->Messages.error(error);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -577,6 +646,7 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
 void vtkTreeAMRIsosurfaceMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Private->Painter.ReleaseGraphicsResources();
+  this->Private->ImagePainter.ReleaseGraphicsResources(window);
   this->Private->DepthPeeling.ReleaseGraphicsResources(window);
   for (const std::unique_ptr<treeamr::SurfaceActorView>& view : this->Private->Views)
   {

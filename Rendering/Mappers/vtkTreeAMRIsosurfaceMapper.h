@@ -191,7 +191,8 @@ protected:
   double LevelOfDetail = 2.;
 
 private:
-  friend class treeamr::ActorLayers; // which draws the surfaces of several mappers together
+  friend class treeamr::ActorLayers;      // takes the surfaces of several mappers together
+  friend class vtkTreeAMRIsosurfaceActor; // draws with volumes, too
   struct Internals;
 
   vtkHyperTreeGrid* UpdateInput();
@@ -207,6 +208,9 @@ private:
   bool ReadDepthToFlatten(const treeamr::SurfaceActorView& view, bool hasAll, std::vector<float>& depth);
   void MakePicture(treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll);
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
+  /// When the renderer draws volumes: all surfaces that its translucent scene has, if this actor draws them.
+  void RenderWithVolumes(vtkRenderer* renderer, vtkActor* actor);
+  void DrawWithVolumes(vtkRenderer* renderer, vtkActor* actor);
   void Select(treeamr::SurfaceActorView& view);
 
   std::unique_ptr<Internals> Private;

@@ -313,17 +313,21 @@ const char* vtkTreeAMRDepthPeeling::StageShader() const
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRDepthPeeling::Draw(
-  vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back)
+  vtkRenderer* renderer, const vtkTreeAMRRayImage* front, const vtkTreeAMRRayImage& back)
 {
   vtkOpenGLRenderWindow* window = vtkTreeAMRTarget::GetWindow(renderer);
-  const bool hasFront = this->CurrentStage != Stage::Remainder;
+  const bool hasFront = front && this->CurrentStage != Stage::Remainder;
   std::string shader = this->StageShader();
   this->Back.Upload(window, back);
   vtkShaderProgram::Substitute(shader, "//TreeAMR::Back::Dec", this->Back.GetDeclaration());
   if (hasFront)
   {
-    this->Front.Upload(window, front);
+    this->Front.Upload(window, *front);
     vtkShaderProgram::Substitute(shader, "//TreeAMR::Front::Dec", this->Front.GetDeclaration());
+  }
+  else
+  {
+    vtkShaderProgram::Substitute(shader, "treeamrFront()", "vec4(0.0)");
   }
   vtkTreeAMRQuad& quad = this->StageQuads.Get(shader);
   vtkShaderProgram* program = quad.Use(window);

@@ -40,8 +40,8 @@ public:
     vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back);
   /// Whether Begin() was the first one of its frame.
   bool IsFrameStart() const { return this->CurrentStage == Stage::Outside; }
-  /// The images of the two segments. Throws treeamr::Error.
-  void Draw(vtkRenderer* renderer, const vtkTreeAMRRayImage& front, const vtkTreeAMRRayImage& back);
+  /// The images of the two segments; null: nothing. Throws treeamr::Error.
+  void Draw(vtkRenderer* renderer, const vtkTreeAMRRayImage* front, const vtkTreeAMRRayImage& back);
 
   /// For a surface that is being rendered by the pass: window depths of what is opaque behind it, 1 where
   /// nothing is. False when the pass does not tell, which it does when a frame's translucent surfaces are

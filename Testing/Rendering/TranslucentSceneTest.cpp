@@ -10,6 +10,7 @@
 #include "vtkRenderPassCollection.h"
 #include "vtkSequencePass.h"
 #include "vtkTranslucentPass.h"
+#include "vtkTreeAMRIsosurfaceActor.h"
 
 #include <functional>
 
@@ -97,15 +98,85 @@ TEST_F(TranslucentSceneTest, surfacesInAVolumeInFloatingPoint)
   expectLayers(scene, things.volume, things.rectangles, floatTolerance, mostlyEdges);
 }
 
+/// How many pixels differ by more than peeling rounds, and how many do at all.
+std::array<int, 2> differences(
+  const std::vector<std::array<float, 4>>& a, const std::vector<std::array<float, 4>>& b, double tolerance)
+{
+  std::array<int, 2> count{};
+  for (std::size_t i = 0; i < a.size(); ++i)
+  {
+    float most = 0.f;
+    for (int c = 0; c < 3; ++c)
+    {
+      most = std::max(most, std::abs(a[i][c] - b[i][c]));
+    }
+    count[0] += most > tolerance;
+    count[1] += most > 0.f;
+  }
+  return count;
+}
+
+/// Draws with volumes, which plain actors cannot.
+vtkActor* replaceByOwnActor(Scene& scene, vtkActor* actor)
+{
+  vtkNew<vtkTreeAMRIsosurfaceActor> own;
+  own->ShallowCopy(actor);
+  scene.renderer->RemoveActor(actor);
+  scene.renderer->AddActor(own);
+  return own;
+}
+
 TEST_F(TranslucentSceneTest, surfacesOfSeveralActors)
 {
   for (const Sorting sorting : all)
   {
-    Scene scene;
-    const Things things = fill(scene, false);
+    Scene scene(30, 22);
+    Things things = fill(scene, false);
     sort(scene, sorting);
     expectLayers(scene, nullptr, things.rectangles, tolerance, mostlyEdges);
+    things.upright = replaceByOwnActor(scene, things.upright);
+    expectLayers(scene, nullptr, things.rectangles, tolerance, mostlyEdges);
+    things.flat = replaceByOwnActor(scene, things.flat);
+    expectLayers(scene, nullptr, things.rectangles, tolerance, mostlyEdges);
+    things.upright->SetPosition(30., 40., 60.); // culled, and it would draw
+    expectLayers(
+      scene, nullptr, { things.rectangles[0], surface(green, flatOpacity) }, tolerance, mostlyEdges);
+    things.flat->GetProperty()->SetOpacity(1.);
+    expectLayers(scene, nullptr, { things.rectangles[0], surface(green) }, tolerance, mostlyEdges);
   }
+}
+
+// Among other translucent polygons they are sorted by VTK.
+TEST_F(TranslucentSceneTest, ownActorsAmongOthers)
+{
+  Scene scene;
+  Things things = fill(scene, false);
+  replaceByOwnActor(scene, things.flat);
+  replaceByOwnActor(scene, things.upright);
+  things.rectangles.push_back(facingRectangle(0.5, 0.6, white, 0.4));
+  scene.addRectangle(things.rectangles.back().center, things.rectangles.back().halfU,
+    things.rectangles.back().halfV, white, 0.4);
+  peel(scene, 8);
+  expectLayers(scene, nullptr, things.rectangles, 2. * tolerance, { false, 0.7 });
+}
+
+TEST_F(TranslucentSceneTest, ownActorsInFloatingPointAndAsDrafts)
+{
+  Scene scene;
+  scene.useFloatTarget();
+  Things things = fill(scene, false);
+  things.flat = replaceByOwnActor(scene, things.flat);
+  things.upright = replaceByOwnActor(scene, things.upright);
+  expectLayers(scene, nullptr, things.rectangles, floatTolerance, mostlyEdges);
+  const auto full = scene.render();
+  for (vtkActor* actor : { things.flat, things.upright })
+  {
+    Scene::mapperOf(actor)->AutoAdjustSampleDistancesOff();
+    Scene::mapperOf(actor)->SetImageSampleDistance(2.);
+  }
+  // Bilinear: away from the edges of what is of one colour nothing changes.
+  EXPECT_LT(differences(full, scene.render(), 1e-4)[0], 0.5 * static_cast<double>(full.size()));
+  EXPECT_EQ(Scene::mapperOf(things.flat)->GetLastImageSampleDistance(), 2.);
 }
 
 // Rays of the volume, which is not where its data are, and those of the surfaces have different lengths.
@@ -213,24 +284,6 @@ TEST_F(TranslucentSceneTest, passesWithoutVolumes)
   camera->SetDelegatePass(sequence);
   scene.renderer->SetPass(camera);
   expectLayers(scene, nullptr, { things.rectangles[0], upright() }, tolerance, mostlyEdges);
-}
-
-/// How many pixels differ by more than peeling rounds, and how many do at all.
-std::array<int, 2> differences(
-  const std::vector<std::array<float, 4>>& a, const std::vector<std::array<float, 4>>& b, double tolerance)
-{
-  std::array<int, 2> count{};
-  for (std::size_t i = 0; i < a.size(); ++i)
-  {
-    float most = 0.f;
-    for (int c = 0; c < 3; ++c)
-    {
-      most = std::max(most, std::abs(a[i][c] - b[i][c]));
-    }
-    count[0] += most > tolerance;
-    count[1] += most > 0.f;
-  }
-  return count;
 }
 
 // Something else that is translucent, too small to be seen, makes VTK sort all of it.
