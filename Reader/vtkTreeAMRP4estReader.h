@@ -49,7 +49,8 @@ public:
 
   ///@{
   /**
-   * The members of a quadrant's payload, as C declarations; empty by default.
+   * The members of a quadrant's payload, as C declarations, after the word packed those of a packed struct; empty by
+   * default.
    */
   vtkSetStringMacro(Payload);
   vtkGetStringMacro(Payload);

@@ -1,5 +1,5 @@
 // A recursive-descent parser of
-//   layout = [ member { ";" member } [ ";" ] ]
+//   layout = [ "packed" ] [ member { ";" member } [ ";" ] ]
 //   member = "pad" "[" number "]" | type declarator { "," declarator }
 //   declarator = name [ "[" number "]" ]
 #include "Forest/PayloadLayout.h"
@@ -101,6 +101,11 @@ public:
 
   PayloadLayout parse()
   {
+    if (token_ == "packed")
+    {
+      packed_ = true;
+      next();
+    }
     while (!token_.empty())
     {
       member();
@@ -206,8 +211,9 @@ private:
       field.components = arrayLength();
     }
     const std::size_t size = payloadTypeSize(type);
-    alignment_ = std::max(alignment_, size);
-    pad((size - layout_.size_ % size) % size);
+    const std::size_t alignment = packed_ ? 1 : size;
+    alignment_ = std::max(alignment_, alignment);
+    pad((alignment - layout_.size_ % alignment) % alignment);
     field.offset = layout_.size_;
     pad(size * static_cast<std::size_t>(field.components));
     layout_.fields_.push_back(std::move(field));
@@ -243,8 +249,9 @@ private:
   }
 
   std::string_view text_;
-  std::string_view token_; // a part of text_, empty at its end
-  std::size_t alignment_ = 1;
+  std::string_view token_;    // a part of text_, empty at its end
+  bool packed_ = false;       // members begin where the ones before end
+  std::size_t alignment_ = 1; // of the whole
   PayloadLayout layout_;
 };
 

@@ -10,7 +10,8 @@
 //   float                                    4 bytes    double                     8 bytes
 // (also int8_t ..., unsigned int, short int and the like). name[n] is an array of n components, pad[n] are n
 // bytes to leave out. As a compiler does, each member begins at a multiple of its type's size and the whole
-// is rounded up to a multiple of the largest type's. Packed structs with members elsewhere cannot be told.
+// is rounded up to a multiple of the largest type's. After the word packed neither is so, as in a packed struct:
+//   packed char kind; double rho
 #pragma once
 
 #include <cstddef>

@@ -129,6 +129,29 @@ TEST(PayloadLayoutTest, Padding)
   expectLayout("", 0, {});
 }
 
+TEST(PayloadLayoutTest, PackedAsTheCompilerDoes)
+{
+  struct __attribute__((packed)) S
+  {
+    char kind;
+    double rho;
+    short counts[3];
+    long id;
+    char mark;
+  };
+  expectLayout("packed char kind; double rho; short counts[3]; long id; char mark", sizeof(S),
+    { { "kind", PayloadType::Int8, 1, offsetof(S, kind) },
+      { "rho", PayloadType::Float64, 1, offsetof(S, rho) },
+      { "counts", PayloadType::Int16, 3, offsetof(S, counts) },
+      { "id", PayloadType::Int64, 1, offsetof(S, id) },
+      { "mark", PayloadType::Int8, 1, offsetof(S, mark) } });
+  expectLayout("packed", 0, {});
+  expectLayout("packed pad[3]; int i", 7, { { "i", PayloadType::Int32, 1, 3 } });
+  expectLayout("int packed", 4, { { "packed", PayloadType::Int32, 1, 0 } });
+  expectError("packed; int i", 7, "\";\"", "pad[n] or a type: char, ");
+  expectError("int i; packed double x", 8, "\"packed\"", "pad[n] or a type: char, ");
+}
+
 TEST(PayloadLayoutTest, NamesThatLookLikeTypes)
 {
   expectLayout("int integer, int_, pads, point_t; float Double", 20,
