@@ -4,7 +4,7 @@
 #pragma once
 
 #include "Surface/Isosurface.h"
-#include "Surface/SurfaceKernel.h"
+#include "Surface/Kernel/SurfaceKernel.h"
 
 #include <array>
 #include <cstddef>

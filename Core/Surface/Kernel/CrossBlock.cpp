@@ -1,15 +1,12 @@
+// Rays through the octants of a block, and the field along them: walkBlock() and alongCrossing() for many rays.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "Surface/SurfaceKernel.cpp"
+#define HWY_TARGET_INCLUDE "Surface/Kernel/CrossBlock.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h: the rest is compiled once for each target.
-#include "Surface/SurfaceKernel.h"
-
-#include "Surface/SurfaceFrame.h"
-
-#include <hwy/highway.h>
+#include "Surface/Kernel/SurfaceKernel.h"
+#include "Surface/Kernel/SurfaceVectors-inl.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -17,20 +14,6 @@ namespace treeamr
 {
 namespace HWY_NAMESPACE
 {
-
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Tag = hn::CappedTag<double, 8>;
-using IntTag = hn::RebindToSigned<Tag>;
-using BitsTag = hn::RebindToUnsigned<Tag>;
-using Doubles = hn::Vec<Tag>;
-using Integers = hn::Vec<IntTag>;
-using Mask = hn::Mask<Tag>;
-
-HWY_INLINE Doubles set(double x)
-{
-  return hn::Set(Tag(), x);
-}
 
 /// The state of a vector of rays along one axis.
 struct Axis
@@ -279,7 +262,6 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
 {
   const Tag d;
   const IntTag di;
-  constexpr int lanes = hn::MaxLanes(Tag());
   const CrossedBlock& block = found.last();
   const SurfaceRecord& record = *block.record;
   const BlockPlanes& planes = block.planes;
@@ -359,230 +341,6 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
   }
 }
 
-/// A vector of cubics.
-struct Cubics
-{
-  std::array<Doubles, 4> c;
-
-  HWY_INLINE Doubles at(Doubles s) const
-  {
-    return hn::Add(hn::Mul(hn::Add(hn::Mul(hn::Add(hn::Mul(c[3], s), c[2]), s), c[1]), s), c[0]);
-  }
-  HWY_INLINE Doubles slopeAt(Doubles s) const
-  {
-    return hn::Add(hn::Mul(hn::Add(hn::Mul(hn::Mul(set(3.), c[3]), s), hn::Mul(set(2.), c[2])), s), c[1]);
-  }
-
-  /// closeBracket() for some of them.
-  HWY_INLINE Doubles closeBrackets(Mask open, Doubles a, Doubles b, Doubles atA, Doubles atB) const
-  {
-    const Tag d;
-    const auto between = [&](Doubles s) { return hn::And(hn::Gt(s, a), hn::Lt(s, b)); };
-    const auto middle = [&] { return hn::Mul(set(0.5), hn::Add(a, b)); };
-    const Mask negativeAtA = hn::Lt(atA, hn::Zero(d));
-    Doubles s = hn::Add(a, hn::Mul(hn::Sub(b, a), hn::Div(atA, hn::Sub(atA, atB))));
-    s = hn::IfThenElse(between(s), s, middle());
-    for (int i = 0; i < 64 && !hn::AllFalse(d, open); ++i)
-    {
-      const Doubles f = at(s);
-      open = hn::AndNot(hn::Eq(f, hn::Zero(d)), open);
-      const Mask isA = hn::Not(hn::Xor(hn::Lt(f, hn::Zero(d)), negativeAtA));
-      a = hn::IfThenElse(hn::And(open, isA), s, a);
-      b = hn::IfThenElse(hn::AndNot(isA, open), s, b);
-      Doubles next = hn::Sub(s, hn::Div(f, slopeAt(s)));
-      next = hn::IfThenElse(between(next), next, middle());
-      const Mask isLast = hn::Or(hn::Eq(next, s), hn::Not(between(next)));
-      s = hn::IfThenElse(open, next, s);
-      open = hn::AndNot(isLast, open);
-    }
-    return s;
-  }
-};
-
-void FindRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found)
-{
-  const Tag d;
-  constexpr int lanes = hn::MaxLanes(Tag());
-  const Doubles zero = hn::Zero(d);
-  const Doubles one = set(1.);
-  found.count = 0;
-  for (int i = 0; i < candidates.count; i += lanes)
-  {
-    Cubics cubics;
-    auto& c = cubics.c;
-    for (int k = 0; k < 4; ++k)
-    {
-      c[k] = hn::LoadU(d, &candidates.cubic[k][i]);
-    }
-    const Doubles tolerance = hn::LoadU(d, &candidates.tolerance[i]);
-    const auto snapped = [&](Doubles value) {
-      return hn::IfThenZeroElse(hn::Le(hn::Abs(value), tolerance), value);
-    };
-    const Doubles first = snapped(c[0]);
-    const Doubles last = snapped(cubics.at(one));
-    const Doubles second = hn::Add(c[0], hn::Mul(c[1], set(1. / 3.)));
-    const Doubles third = hn::Add(c[0], hn::Mul(hn::Add(hn::Mul(set(2.), c[1]), c[2]), set(1. / 3.)));
-    const Doubles low = hn::Min(hn::Min(first, second), hn::Min(third, last));
-    const Doubles high = hn::Max(hn::Max(first, second), hn::Max(third, last));
-    Mask open = hn::AndNot(hn::Or(hn::Gt(low, tolerance), hn::Lt(high, hn::Neg(tolerance))),
-      hn::FirstN(d, static_cast<std::size_t>(candidates.count - i)));
-
-    const Doubles three = hn::Mul(set(3.), c[3]);
-    const Doubles discriminant = hn::Sub(hn::Mul(c[2], c[2]), hn::Mul(three, c[1]));
-    const Mask bends = hn::Gt(discriminant, zero);
-    const Doubles q =
-      hn::Neg(hn::Add(c[2], hn::CopySign(hn::Sqrt(hn::IfThenElseZero(bends, discriminant)), c[2])));
-    const Doubles e0 = hn::Div(q, three);
-    const Doubles e1 = hn::Div(c[1], q);
-    const Mask ascends = hn::Lt(e0, e1);
-    const Doubles lower = hn::IfThenElse(ascends, e0, e1);
-    const Doubles upper = hn::IfThenElse(ascends, e1, e0);
-    const auto inside = [&](Doubles e) { return hn::And(bends, hn::And(hn::Gt(e, zero), hn::Lt(e, one))); };
-    const Mask hasLower = inside(lower);
-    const Mask hasUpper = inside(upper);
-    // Ends of the pieces; missing ones are at the end.
-    const std::array<Doubles, 4> knots{ zero,
-      hn::IfThenElse(hasLower, lower, hn::IfThenElse(hasUpper, upper, one)),
-      hn::IfThenElse(hn::And(hasLower, hasUpper), upper, one), one };
-    const std::array<Mask, 3> ends{ hn::Not(hn::Or(hasLower, hasUpper)), hn::Not(hn::And(hasLower, hasUpper)),
-      hn::Eq(one, one) };
-
-    const Doubles t0 = hn::LoadU(d, &candidates.t0[i]);
-    const Doubles length = hn::Sub(hn::LoadU(d, &candidates.t1[i]), t0);
-    constexpr int most = CandidateRoots::mostOfEach;
-    HWY_ALIGN double s[most][lanes];
-    HWY_ALIGN double t[most][lanes];
-    std::array<std::uint64_t, most> isRoot{};
-    const auto add = [&](int slot, Mask roots, Doubles at) {
-      hn::Store(at, d, s[slot]);
-      hn::Store(hn::Add(t0, hn::Mul(at, length)), d, t[slot]);
-      HWY_ALIGN std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(d, roots, bits);
-      isRoot[slot] = bits[0];
-      if (firstOnly)
-      {
-        open = hn::AndNot(roots, open);
-      }
-    };
-    add(0, hn::And(open, hn::Eq(first, zero)), zero);
-    Doubles before = first;
-    for (int piece = 0; piece < 3 && !hn::AllFalse(d, open); ++piece)
-    {
-      const Doubles after = hn::IfThenElse(ends[piece], last, cubics.at(knots[piece + 1]));
-      const Mask differs = hn::Xor(hn::Lt(before, zero), hn::Lt(after, zero));
-      const Mask bracket =
-        hn::And(hn::And(open, differs), hn::And(hn::Ne(before, zero), hn::Ne(after, zero)));
-      Doubles root = knots[piece + 1];
-      if (!hn::AllFalse(d, bracket))
-      {
-        root = hn::IfThenElse(
-          bracket, cubics.closeBrackets(bracket, knots[piece], knots[piece + 1], before, after), root);
-      }
-      add(piece + 1, hn::Or(bracket, hn::And(open, hn::Eq(after, zero))), root);
-      open = hn::AndNot(ends[piece], open);
-      before = after;
-    }
-    std::uint64_t any = 0;
-    for (const std::uint64_t bits : isRoot)
-    {
-      any |= bits;
-    }
-    for (; any != 0; any &= any - 1)
-    {
-      const int lane = std::countr_zero(any);
-      for (int slot = 0; slot < most; ++slot)
-      {
-        if (isRoot[slot] >> lane & 1)
-        {
-          found.s[found.count] = s[slot][lane];
-          found.t[found.count] = t[slot][lane];
-          found.candidate[found.count++] = i + lane;
-        }
-      }
-    }
-  }
-}
-
-/// normalized() for vectors of vectors.
-HWY_INLINE std::array<Doubles, 3> normalizedVectors(const std::array<Doubles, 3>& v)
-{
-  const Tag d;
-  const Doubles square = hn::Add(hn::Add(hn::Mul(v[0], v[0]), hn::Mul(v[1], v[1])), hn::Mul(v[2], v[2]));
-  const Doubles length = hn::Sqrt(square);
-  std::array<Doubles, 3> n{ hn::Div(v[0], length), hn::Div(v[1], length), hn::Div(v[2], length) };
-  if (!hn::AllTrue(d, hn::And(hn::Gt(square, set(1e-280)), hn::Lt(square, set(1e300)))))
-  {
-    constexpr int lanes = hn::MaxLanes(Tag());
-    HWY_ALIGN double from[3][lanes];
-    for (int a = 0; a < 3; ++a)
-    {
-      hn::Store(v[a], d, from[a]);
-    }
-    for (int lane = 0; lane < lanes; ++lane)
-    {
-      const Vec3 one = normalized({ from[0][lane], from[1][lane], from[2][lane] });
-      for (int a = 0; a < 3; ++a)
-      {
-        from[a][lane] = one[a];
-      }
-    }
-    for (int a = 0; a < 3; ++a)
-    {
-      n[a] = hn::Load(d, from[a]);
-    }
-  }
-  return n;
-}
-
-void FindNormals(const Vec3& width, HitPlaces& hits)
-{
-  const Tag d;
-  constexpr int lanes = hn::MaxLanes(Tag());
-  for (int i = 0; i < hits.count; i += lanes)
-  {
-    std::array<Doubles, 3> place;
-    for (int a = 0; a < 3; ++a)
-    {
-      place[a] = hn::Load(d, &hits.place[a][i]);
-    }
-    std::array<Doubles, 3> exact;
-    std::array<Doubles, 3> smooth;
-    for (int a = 0; a < 3; ++a)
-    {
-      const Doubles atB = place[(a + 1) % 3];
-      const Doubles atC = place[(a + 2) % 3];
-      const auto slope = [&](int half) {
-        const auto at = [&](int edge) { return hn::Load(d, &hits.difference[a][half][edge][i]); };
-        const Doubles low = hn::Add(at(0), hn::Mul(atB, hn::Sub(at(1), at(0))));
-        const Doubles high = hn::Add(at(2), hn::Mul(atB, hn::Sub(at(3), at(2))));
-        const Doubles difference = hn::Add(low, hn::Mul(atC, hn::Sub(high, low)));
-        return hn::Mul(difference, hn::Load(d, &hits.inverseWidth[a][half][i]));
-      };
-      const Doubles lower = slope(0);
-      const Doubles upper = slope(1);
-      const Mask isUpper = hn::Ne(hn::Load(d, &hits.half[a][i]), hn::Zero(d));
-      const Doubles perWidth = set(width[a]);
-      exact[a] = hn::Div(hn::IfThenElse(isUpper, upper, lower), perWidth);
-      smooth[a] =
-        hn::Div(hn::Add(lower, hn::Mul(hn::Load(d, &hits.fromLower[a][i]), hn::Sub(upper, lower))), perWidth);
-    }
-    const Doubles along = hn::Add(
-      hn::Add(hn::Mul(smooth[0], exact[0]), hn::Mul(smooth[1], exact[1])), hn::Mul(smooth[2], exact[2]));
-    const Mask isSmooth = hn::Gt(along, hn::Zero(d));
-    std::array<Doubles, 3> direction;
-    for (int a = 0; a < 3; ++a)
-    {
-      hn::Store(exact[a], d, &hits.gradient[a][i]);
-      direction[a] = hn::IfThenElse(isSmooth, smooth[a], exact[a]);
-    }
-    const std::array<Doubles, 3> normal = normalizedVectors(direction);
-    for (int a = 0; a < 3; ++a)
-    {
-      hn::Store(normal[a], d, &hits.normal[a][i]);
-    }
-  }
-}
-
 } // namespace HWY_NAMESPACE
 } // namespace treeamr
 HWY_AFTER_NAMESPACE();
@@ -592,51 +350,11 @@ namespace treeamr
 {
 
 HWY_EXPORT(CrossBlock);
-HWY_EXPORT(FindNormals);
-HWY_EXPORT(FindRoots);
 
 void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
   std::uint32_t wanted, OctantCandidates& found) noexcept
 {
   HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, wanted, found);
-}
-
-void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found) noexcept
-{
-  HWY_DYNAMIC_DISPATCH(FindRoots)(candidates, firstOnly, found);
-}
-
-void findNormals(const Vec3& width, HitPlaces& hits) noexcept
-{
-  HWY_DYNAMIC_DISPATCH(FindNormals)(width, hits);
-}
-
-void HitPlaces::add(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain, int octant,
-  const Vec3& at) noexcept
-{
-  constexpr std::array<int, 3> stride{ 1, 5, 25 };
-  for (int a = 0; a < 3; ++a)
-  {
-    const int b = stride[(a + 1) % 3];
-    const int c = stride[(a + 2) % 3];
-    const int ofLeaf = octant >> 2 * a & 1;
-    const int cell = (octant >> 2 * a & 3) - ofLeaf;
-    const double* v = record.values.data() + firstVertex(octant) - ofLeaf * stride[a];
-    for (int h = 0; h < 2; ++h, v += stride[a])
-    {
-      difference[a][h][0][count] = v[stride[a]] - v[0];
-      difference[a][h][1][count] = v[stride[a] + b] - v[b];
-      difference[a][h][2][count] = v[stride[a] + c] - v[c];
-      difference[a][h][3][count] = v[stride[a] + b + c] - v[b + c];
-      inverseWidth[a][h][count] = planes.inverseWidth[a][cell + h];
-    }
-    const bool isFirst = planes.at[a][cell] == domain.min[a];
-    const bool isLast = planes.at[a][cell + 2] == domain.max[a];
-    half[a][count] = ofLeaf;
-    fromLower[a][count] = isFirst ? 1. : isLast ? 0. : 0.5 * (ofLeaf + at[a]);
-    place[a][count] = at[a];
-  }
-  ++count;
 }
 
 } // namespace treeamr
