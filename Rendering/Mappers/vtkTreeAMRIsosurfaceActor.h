@@ -8,6 +8,8 @@
  * when an exporter updates that actor's mapper, not before, and kept until this actor is rendered again. A
  * process that has not all of the grid may give exporters other triangles, those of all processes.
  *
+ * Translucent surfaces that VTK has nothing to sort with it draws when volumes are drawn, which takes no depth peeling.
+ *
  * In everything else it is a vtkActor: with another mapper, when rendered, selected or picked, and in
  * vtkRenderer::GetViewProps(). vtkRenderer::GetActors() contains the actor of polygons, which the next
  * GetActors() sets as this one is: change this one.

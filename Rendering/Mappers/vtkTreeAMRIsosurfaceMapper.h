@@ -22,6 +22,10 @@
  * the layers before what is opaque are blended in their order and count as one, at the nearest, for VTK's
  * order independent pass.
  *
+ * Where nothing in the renderer is translucent but actors of such mappers and one vtkTreeAMRVolumeMapper's volume, in
+ * no assembly and in passes of VTK's own order, there is nothing to sort: the volume or, without one, one of the
+ * actors draws all of them, in one picture with one distance between rays.
+ *
  * Ambient occlusion and shadows are traced, with all the mapper's surfaces as obstacles and nothing else of
  * the scene. A translucent surface takes away the part of the light that its opacity says, once. Unlit
  * properties have neither.
