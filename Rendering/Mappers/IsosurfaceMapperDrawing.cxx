@@ -91,10 +91,6 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
   pose.mostHits = layers == treeamr::SurfaceLayers::Nearest || this->HasTranslucentPolygonalGeometry()
     ? allLayers
     : layersBeforeOpaque(actor->GetProperty()->GetOpacity());
-  view.plan = treeamr::planFrame(renderer, actor, static_cast<double>(pose.width) * pose.height,
-    { this->AutoAdjustSampleDistances, this->ImageSampleDistance, this->MinimumImageSampleDistance,
-      this->MaximumImageSampleDistance, this->InteractiveRenderTime, this->LevelOfDetail },
-    view.sampleDistances, view.surface.isOf(pose) ? view.surface.sampleDistance() : 0.);
   return view;
 }
 
@@ -105,9 +101,15 @@ treeamr::MapperMessages& vtkTreeAMRIsosurfaceMapper::GetMessages()
 }
 
 //------------------------------------------------------------------------------
-bool vtkTreeAMRIsosurfaceMapper::UpdateSurface()
+bool vtkTreeAMRIsosurfaceMapper::UpdateSurface(treeamr::SurfaceActorView& view)
 {
   this->UpdateSurface(this->UpdateInput());
+  // Now a picture of what has changed is none to keep.
+  view.plan =
+    treeamr::planFrame(view.renderer, view.actor, static_cast<double>(view.pose.width) * view.pose.height,
+      { this->AutoAdjustSampleDistances, this->ImageSampleDistance, this->MinimumImageSampleDistance,
+        this->MaximumImageSampleDistance, this->InteractiveRenderTime, this->LevelOfDetail },
+      view.sampleDistances, view.surface.isOf(view.pose) ? view.surface.sampleDistance() : 0.);
   return !this->Private->Surfaces.isEmpty();
 }
 
@@ -266,7 +268,7 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
     renderer, actor, translucent ? treeamr::SurfaceLayers::All : treeamr::SurfaceLayers::Nearest);
   if (renderer->GetSelector())
   {
-    if (this->UpdateSurface())
+    if (this->UpdateSurface(view))
     {
       this->UpdateHits(view, view.plan.sampleDistance);
       this->Select(view);

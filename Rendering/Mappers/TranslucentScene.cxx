@@ -137,7 +137,7 @@ ActorLayers::ActorLayers(vtkRenderer* renderer, std::span<vtkActor* const> actor
     try
     {
       SurfaceActorView& view = mapper->FindView(renderer, actor, layers);
-      if (mapper->UpdateSurface())
+      if (mapper->UpdateSurface(view))
       {
         surfaces_.push_back({ mapper, &view, view.plan.sampleDistance });
       }

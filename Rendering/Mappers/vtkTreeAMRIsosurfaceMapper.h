@@ -201,10 +201,10 @@ private:
 
   vtkHyperTreeGrid* UpdateInput();
   void UpdateSurface(vtkHyperTreeGrid* grid);
-  /// False: there is nothing to draw.
-  bool UpdateSurface();
+  /// And the plan of this frame. False: there is nothing to draw.
+  bool UpdateSurface(treeamr::SurfaceActorView& view);
   treeamr::MapperMessages& GetMessages();
-  /// With the pose and the plan of this frame.
+  /// With the pose of this frame.
   treeamr::SurfaceActorView& FindView(vtkRenderer* renderer, vtkActor* actor, treeamr::SurfaceLayers layers);
   void UpdateHits(treeamr::SurfaceActorView& view, double distance);
   treeamr::SurfaceShader Light(treeamr::SurfaceActorView& view);

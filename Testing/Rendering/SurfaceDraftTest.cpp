@@ -59,6 +59,14 @@ TEST_F(SurfaceDraftTest, isDrawnOnlyWhileSomethingMoves)
     EXPECT_EQ(scene.render(), full) << "a still camera loses nothing";
     EXPECT_EQ(mapper->GetLastImageSampleDistance(), 1.);
 
+    mapper->SetValue(0, 0.1);
+    scene.render();
+    EXPECT_EQ(mapper->GetLastImageSampleDistance(), 10.) << "another surface";
+    mapper->SetValue(0, 0.);
+    scene.window->SetDesiredUpdateRate(still);
+    scene.render();
+    scene.window->SetDesiredUpdateRate(interactive);
+
     vtkCamera* camera = scene.renderer->GetActiveCamera();
     camera->Azimuth(1.);
     const auto draft = scene.render();
