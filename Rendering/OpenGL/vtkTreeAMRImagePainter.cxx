@@ -2,6 +2,7 @@
 
 #include "vtkTreeAMRTarget.h"
 
+#include "vtkObject.h"
 #include "vtkOpenGLError.h" // brings the GL loader of this VTK: glew up to 9.3, glad from 9.4
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"

@@ -4,6 +4,7 @@
 #include "vtkTreeAMRTarget.h"
 
 #include "vtkActor.h"
+#include "vtkObject.h"
 #include "vtkOpenGLError.h" // brings the GL loader of this VTK: glew up to 9.3, glad from 9.4
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
