@@ -221,15 +221,12 @@ void vtkTreeAMRIsosurfaceMapper::MakePicture(
   const double start = vtkTimerLog::GetUniversalTime();
   std::vector<float> depth;
   image.NumberOfTiles = 0;
-  if (shaders.empty())
-  {
-  }
-  else if (this->ReadDepthToFlatten(view, hasAll, depth))
+  if (!shaders.empty() && this->ReadDepthToFlatten(view, hasAll, depth))
   {
     treeamr::flattenLayers(
       shaders, reduction.isFull() ? depth : reduction.sample(depth), !reduction.isFull(), image);
   }
-  else
+  else if (!shaders.empty())
   {
     treeamr::shadeHits(shaders.front(), !reduction.isFull(), image);
     if (geometry)

@@ -24,6 +24,16 @@ class TestVolume(scene.TestCase):
         scene.set_opacity(self.representation.ScalarOpacityFunction, 0, 64, opacity)
         scene.look(self.view)
 
+    def look_along_z(self):
+        """In parallel projection, 6 units high."""
+        simple.ResetCamera(self.view)
+        camera = self.view.GetActiveCamera()
+        camera.SetPosition(2, 2, 20)
+        camera.SetFocalPoint(2, 2, 2)
+        camera.SetViewUp(0, 1, 0)
+        self.view.CameraParallelProjection = 1
+        self.view.CameraParallelScale = 3
+
     def test_colours_of_the_colour_map(self):
         self.show(rgb=(1, 0, 0))
         red = self.picture("red")
@@ -39,13 +49,7 @@ class TestVolume(scene.TestCase):
     def test_opacity_over_the_unit_distance(self):
         """Along the axis of a parallel projection every ray crosses 4: opacity 1 - (1 - 0.5)^(4 / unit)."""
         self.show(opacity=0.5)
-        simple.ResetCamera(self.view)
-        camera = self.view.GetActiveCamera()
-        camera.SetPosition(2, 2, 20)
-        camera.SetFocalPoint(2, 2, 2)
-        camera.SetViewUp(0, 1, 0)
-        self.view.CameraParallelProjection = 1
-        self.view.CameraParallelScale = 3
+        self.look_along_z()
         for unit in (1.0, 4.0):
             self.representation.ScalarOpacityUnitDistance = unit
             image = self.picture(f"unit-{unit:g}")
@@ -57,13 +61,7 @@ class TestVolume(scene.TestCase):
     def test_cropping(self):
         """As ParaView's Volume has it: the data's bounds, here 0 to 4, scaled and then moved."""
         self.show(opacity=0.9)
-        simple.ResetCamera(self.view)
-        camera = self.view.GetActiveCamera()
-        camera.SetPosition(2, 2, 20)
-        camera.SetFocalPoint(2, 2, 2)
-        camera.SetViewUp(0, 1, 0)
-        self.view.CameraParallelProjection = 1
-        self.view.CameraParallelScale = 3
+        self.look_along_z()
         self.assertEqual(0, self.representation.UseCropping)
         # Whose bounds the box in the window starts from.
         self.assertEqual(1, self.representation.SMProxy.GetProperty("DummyInput").GetNumberOfProxies())
