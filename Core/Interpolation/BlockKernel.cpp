@@ -1,3 +1,5 @@
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Interpolation/BlockKernel.cpp"
 #include <hwy/foreach_target.h>

@@ -1,6 +1,8 @@
 // Every instruction set that Highway chooses from.
 #pragma once
 
+#include "InstructionSets.h"
+
 #include <hwy/targets.h>
 
 #include <cstdint>

@@ -1,4 +1,6 @@
 // Rays through the octants of a block, and the field along them: walkBlock() and alongCrossing() for many rays.
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Surface/Kernel/CrossBlock.cpp"
 #include <hwy/foreach_target.h>

@@ -1,4 +1,6 @@
 // The gradients of the field at many hits: gradientsAt() for vectors of them.
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Surface/Kernel/FindNormals.cpp"
 #include <hwy/foreach_target.h>

@@ -1,4 +1,6 @@
 // The roots of many cubics: visitRoots() and closeBracket() for vectors of them.
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Surface/Kernel/FindRoots.cpp"
 #include <hwy/foreach_target.h>

@@ -1,4 +1,6 @@
 // The volume kernel for rays of any origins; the best instruction set is chosen when the program runs.
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Volume/Kernel/VolumeOfAnyRays.cpp"
 #include <hwy/foreach_target.h>
