@@ -19,18 +19,18 @@ namespace HWY_NAMESPACE
 VolumeStatistics RenderTilesFromOnePoint(
   const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
-  return renderRow<true>(scene, row, columnBegin, columnEnd);
+  return renderRow<float, true>(scene, row, columnBegin, columnEnd);
 }
 
 void RenderGroupsFromOnePoint(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
 {
-  renderListed<true>(scene, groups, rgba);
+  renderListed<float, true>(scene, groups, rgba);
 }
 
 VolumeStatistics RepeatInCacheFromOnePoint(
   const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
-  return repeatRow<true>(scene, row, columns, position, repeats);
+  return repeatRow<float, true>(scene, row, columns, position, repeats);
 }
 
 } // namespace HWY_NAMESPACE

@@ -18,18 +18,18 @@ namespace HWY_NAMESPACE
 
 VolumeStatistics RenderTilesOfAnyRays(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
-  return renderRow<false>(scene, row, columnBegin, columnEnd);
+  return renderRow<float, false>(scene, row, columnBegin, columnEnd);
 }
 
 void RenderGroupsOfAnyRays(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
 {
-  renderListed<false>(scene, groups, rgba);
+  renderListed<float, false>(scene, groups, rgba);
 }
 
 VolumeStatistics RepeatInCacheOfAnyRays(
   const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
-  return repeatRow<false>(scene, row, columns, position, repeats);
+  return repeatRow<float, false>(scene, row, columns, position, repeats);
 }
 
 } // namespace HWY_NAMESPACE

@@ -31,13 +31,15 @@ static_assert(volumeTileWidth * volumeTileWidth == tileRays);
 using GroupMask = std::uint32_t;
 
 constexpr float opaque = 1.f - opaqueTransmittance;
-constexpr float finished = -std::numeric_limits<float>::max();
 
-/// CommonOrigin: all rays start at the scene's reference.
-template <bool CommonOrigin>
+/// Real: of lanes. CommonOrigin: all rays start at the scene's reference.
+template <class Real, bool CommonOrigin>
 class TileRays
 {
 public:
+  static constexpr Real infinity = std::numeric_limits<Real>::infinity();
+  static constexpr Real finished = -std::numeric_limits<Real>::max();
+
   explicit TileRays(const VolumeKernelScene& scene)
     : hasHits_(scene.stops.hits.has_value())
     , scene_(scene)
@@ -51,9 +53,9 @@ public:
   static constexpr int yInTile(int ray) { return 4 * (ray >> 6) + (ray >> 2 & 3); }
   static constexpr int groupInTile(int x, int y) { return x / 4 + y / 4 * 4; }
 
-  float toKernel(int axis, double data) const noexcept
+  Real toKernel(int axis, double data) const noexcept
   {
-    return static_cast<float>((data - scene_.reference[axis]) * scene_.dataScale);
+    return static_cast<Real>((data - scene_.reference[axis]) * scene_.dataScale);
   }
 
   /// Starts with those of the tile at (x0, y0); the groups of which a ray has a part to draw.
@@ -68,10 +70,10 @@ public:
     GroupMask active = 0;
     for (int r = 0; r < tileRays; ++r)
     {
-      red_[r] = green_[r] = blue_[r] = opacity_[r] = 0.f;
+      red_[r] = green_[r] = blue_[r] = opacity_[r] = 0;
       const int x = x0 + xInTile(r);
       const int y = y0 + yInTile(r);
-      nextHitT_[r] = std::numeric_limits<float>::infinity();
+      nextHitT_[r] = infinity;
       for (int part = 1; part < parts_; ++part)
       {
         end_[part][r] = finished;
@@ -119,10 +121,10 @@ public:
 
   void store(int ray, float* rgba) const noexcept
   {
-    rgba[0] = red_[ray];
-    rgba[1] = green_[ray];
-    rgba[2] = blue_[ray];
-    rgba[3] = std::min(opacity_[ray], 1.f);
+    rgba[0] = static_cast<float>(red_[ray]);
+    rgba[1] = static_cast<float>(green_[ray]);
+    rgba[2] = static_cast<float>(blue_[ray]);
+    rgba[3] = static_cast<float>(std::min<Real>(opacity_[ray], 1));
   }
 
   /// All of the tile's, in an image's rows.
@@ -139,10 +141,10 @@ public:
     }
   }
 
-  HWY_INLINE Floats planeT(int axis, int ray, float plane) const
+  HWY_INLINE Reals<Real> planeT(int axis, int ray, Real plane) const
   {
-    const FloatTag d;
-    Floats distance = hn::Set(d, plane);
+    const RealTag<Real> d;
+    Reals<Real> distance = hn::Set(d, plane);
     if (!CommonOrigin)
     {
       distance = hn::Sub(distance, hn::Load(d, origin_[axis] + ray));
@@ -151,12 +153,12 @@ public:
   }
 
   /// Narrows parts of rays to a box.
-  HWY_INLINE void enterBox(const Box& box, int ray, Floats& begin, Floats& end) const
+  HWY_INLINE void enterBox(const Box<Real>& box, int ray, Reals<Real>& begin, Reals<Real>& end) const
   {
     for (int a = 0; a < 3; ++a)
     {
-      const Floats low = planeT(a, ray, box.min[a]);
-      const Floats high = planeT(a, ray, box.max[a]);
+      const Reals<Real> low = planeT(a, ray, box.min[a]);
+      const Reals<Real> high = planeT(a, ray, box.max[a]);
       begin = hn::Max(begin, hn::Min(low, high));
       end = hn::Min(end, hn::Max(low, high));
     }
@@ -164,25 +166,25 @@ public:
 
   /// For each of a node's children the groups of which a ray crosses it.
   HWY_INLINE void crossChildren(
-    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+    const Box<Real>& box, const std::array<Real, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
   {
     parts_ == 1 ? cross<true>(box, middle, active, children) : crossParts(box, middle, active, children);
   }
 
   /// Takes the rays from `ray` on across the hits that they have come to before `end`; false when there are none. begin
   /// and end: of what is left.
-  HWY_INLINE bool crossHits(int part, int ray, Floats& begin, Floats& end)
+  HWY_INLINE bool crossHits(int part, int ray, Reals<Real>& begin, Reals<Real>& end)
   {
-    const FloatTag d;
-    const Floats hit = hn::Load(d, nextHitT_ + ray);
-    const Mask meets = hn::And(hn::Lt(begin, end), hn::Lt(hit, end));
+    const RealTag<Real> d;
+    const Reals<Real> hit = hn::Load(d, nextHitT_ + ray);
+    const Mask<Real> meets = hn::And(hn::Lt(begin, end), hn::Lt(hit, end));
     if (hn::AllFalse(d, meets))
     {
       return false;
     }
-    std::uint8_t bits[(lanes + 7) / 8] = {};
+    std::uint8_t bits[(lanes<Real> + 7) / 8] = {};
     hn::StoreMaskBits(d, meets, bits);
-    for (int i = 0; i < lanes; ++i)
+    for (int i = 0; i < lanes<Real>; ++i)
     {
       if (bits[i / 8] >> i % 8 & 1)
       {
@@ -199,27 +201,27 @@ public:
   {
     for (int r = 0; hasHits_ && r < tileRays; ++r)
     {
-      while (nextHitT_[r] < std::numeric_limits<float>::infinity())
+      while (nextHitT_[r] < infinity)
       {
         crossHit(r);
       }
     }
   }
 
-  HWY_ALIGN float origin_[3][tileRays] = {}; // unless common
-  HWY_ALIGN float direction_[3][tileRays] = {};
-  HWY_ALIGN float inverse_[3][tileRays] = {};
-  HWY_ALIGN float begin_[RayParts::most][tileRays] = {};
-  HWY_ALIGN float end_[RayParts::most][tileRays] = {};
-  HWY_ALIGN float lengthPerT_[tileRays] = {}; // world length per t
-  HWY_ALIGN float red_[tileRays];
-  HWY_ALIGN float green_[tileRays];
-  HWY_ALIGN float blue_[tileRays];
-  HWY_ALIGN float opacity_[tileRays];
+  HWY_ALIGN Real origin_[3][tileRays] = {}; // unless common
+  HWY_ALIGN Real direction_[3][tileRays] = {};
+  HWY_ALIGN Real inverse_[3][tileRays] = {};
+  HWY_ALIGN Real begin_[RayParts::most][tileRays] = {};
+  HWY_ALIGN Real end_[RayParts::most][tileRays] = {};
+  HWY_ALIGN Real lengthPerT_[tileRays] = {}; // world length per t
+  HWY_ALIGN Real red_[tileRays];
+  HWY_ALIGN Real green_[tileRays];
+  HWY_ALIGN Real blue_[tileRays];
+  HWY_ALIGN Real opacity_[tileRays];
   int parts_ = 1; // of begin_ and end_ in use: the most of any ray
   bool hasHits_;
-  HWY_ALIGN float nextHitT_[tileRays]; // with hits only; infinite: none
-  std::uint64_t drawnRays_ = 0;        // of all tiles so far
+  HWY_ALIGN Real nextHitT_[tileRays]; // with hits only; infinite: none
+  std::uint64_t drawnRays_ = 0;       // of all tiles so far
 
 private:
   /// Finds the ray's hits, and leaves its parts.
@@ -277,15 +279,14 @@ private:
 
   void findHit(int r) noexcept
   {
-    nextHitT_[r] =
-      nextHit_[r] != endOfHits_[r] ? hitT(r, nextHit_[r]) : std::numeric_limits<float>::infinity();
+    nextHitT_[r] = nextHit_[r] != endOfHits_[r] ? hitT(r, nextHit_[r]) : infinity;
   }
 
   /// Takes a ray across the hit that it has come to.
   HWY_NOINLINE void crossHit(int r) noexcept
   {
     const std::array<float, 4>& rgba = scene_.stops.hits->hits[nextHit_[r]].rgba;
-    const float weight = opacity_[r] > opaque ? 0.f : (1.f - opacity_[r]) * rgba[3];
+    const Real weight = opacity_[r] > opaque ? 0 : (1 - opacity_[r]) * rgba[3];
     red_[r] += weight * rgba[0];
     green_[r] += weight * rgba[1];
     blue_[r] += weight * rgba[2];
@@ -298,65 +299,67 @@ private:
     findHit(r);
   }
 
-  float fanT(int x, int y, double depth) const noexcept
+  Real fanT(int x, int y, double depth) const noexcept
   {
     const PixelFan& fan = scene_.fan;
-    return static_cast<float>(scene_.scale /
+    return static_cast<Real>(scene_.scale /
       (fan.inverseT + x * fan.inverseTPerX + y * fan.inverseTPerY + depth * fan.inverseTPerDepth));
   }
 
-  /// Away from zero, keeping its sign: a ray parallel to a face has no reciprocal, and this tiny slope sorts it
-  /// into one side of any plane.
-  static HWY_INLINE Floats awayFromZero(Floats v)
+  /// A ray parallel to a face has no reciprocal: this slope sorts it into one side of any plane.
+  static constexpr Real tiny = 1e-20;
+
+  /// Away from zero, keeping its sign.
+  static HWY_INLINE Reals<Real> awayFromZero(Reals<Real> v)
   {
-    const FloatTag d;
-    return hn::CopySign(hn::Max(hn::Abs(v), hn::Set(d, 1e-20f)), v);
+    const RealTag<Real> d;
+    return hn::CopySign(hn::Max(hn::Abs(v), hn::Set(d, tiny)), v);
   }
 
   void makeFan(int x0, int y0)
   {
-    const FloatTag d;
+    const RealTag<Real> d;
     const PixelFan& fan = scene_.fan;
-    HWY_ALIGN static constexpr float xs[groupRays] = { 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3 };
-    HWY_ALIGN static constexpr float ys[groupRays] = { 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
+    HWY_ALIGN static constexpr Real xs[groupRays] = { 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3 };
+    HWY_ALIGN static constexpr Real ys[groupRays] = { 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3 };
     const Matrix4& m = scene_.camera.worldFromData();
     const double toKernel = scene_.dataScale / scene_.scale; // of slopes
-    for (int ray = 0; ray < tileRays; ray += lanes)
+    for (int ray = 0; ray < tileRays; ray += lanes<Real>)
     {
-      const Floats x = hn::Load(d, xs + ray % groupRays);
-      const Floats y = hn::Load(d, ys + ray % groupRays);
+      const Reals<Real> x = hn::Load(d, xs + ray % groupRays);
+      const Reals<Real> y = hn::Load(d, ys + ray % groupRays);
       const int groupX = x0 + xInTile(ray & ~(groupRays - 1));
       const int groupY = y0 + yInTile(ray & ~(groupRays - 1));
-      Floats direction[3];
+      Reals<Real> direction[3];
       for (int a = 0; a < 3; ++a)
       {
         const double first = toKernel * (fan.direction[a] + groupX * fan.perX[a] + groupY * fan.perY[a]);
-        direction[a] = mulAdd(x, hn::Set(d, static_cast<float>(toKernel * fan.perX[a])),
-          mulAdd(y, hn::Set(d, static_cast<float>(toKernel * fan.perY[a])),
-            hn::Set(d, static_cast<float>(first))));
+        direction[a] = mulAdd(x, hn::Set(d, static_cast<Real>(toKernel * fan.perX[a])),
+          mulAdd(
+            y, hn::Set(d, static_cast<Real>(toKernel * fan.perY[a])), hn::Set(d, static_cast<Real>(first))));
         hn::Store(direction[a], d, direction_[a] + ray);
-        hn::Store(hn::Div(hn::Set(d, 1.f), awayFromZero(direction[a])), d, inverse_[a] + ray);
+        hn::Store(hn::Div(hn::Set(d, Real(1)), awayFromZero(direction[a])), d, inverse_[a] + ray);
       }
-      Floats squared = hn::Zero(d);
+      Reals<Real> squared = hn::Zero(d);
       for (int r = 0; r < 3; ++r)
       {
-        Floats w = hn::Zero(d);
+        Reals<Real> w = hn::Zero(d);
         for (int a = 0; a < 3; ++a)
         {
-          w = mulAdd(hn::Set(d, static_cast<float>(m[4 * r + a] / toKernel)), direction[a], w);
+          w = mulAdd(hn::Set(d, static_cast<Real>(m[4 * r + a] / toKernel)), direction[a], w);
         }
         squared = mulAdd(w, w, squared);
       }
       hn::Store(hn::Sqrt(squared), d, lengthPerT_ + ray);
-      const Floats perX = hn::Set(d, static_cast<float>(fan.inverseTPerX / scene_.scale));
-      const Floats perY = hn::Set(d, static_cast<float>(fan.inverseTPerY / scene_.scale));
+      const Reals<Real> perX = hn::Set(d, static_cast<Real>(fan.inverseTPerX / scene_.scale));
+      const Reals<Real> perY = hn::Set(d, static_cast<Real>(fan.inverseTPerY / scene_.scale));
       const double first =
         (fan.inverseT + groupX * fan.inverseTPerX + groupY * fan.inverseTPerY) / scene_.scale;
-      const Floats near = mulAdd(x, perX, mulAdd(y, perY, hn::Set(d, static_cast<float>(first))));
-      const Floats far = mulAdd(x, perX,
-        mulAdd(y, perY, hn::Set(d, static_cast<float>(first + fan.inverseTPerDepth / scene_.scale))));
-      hn::Store(hn::Div(hn::Set(d, 1.f), near), d, begin_[0] + ray);
-      hn::Store(hn::Div(hn::Set(d, 1.f), far), d, end_[0] + ray);
+      const Reals<Real> near = mulAdd(x, perX, mulAdd(y, perY, hn::Set(d, static_cast<Real>(first))));
+      const Reals<Real> far = mulAdd(
+        x, perX, mulAdd(y, perY, hn::Set(d, static_cast<Real>(first + fan.inverseTPerDepth / scene_.scale))));
+      hn::Store(hn::Div(hn::Set(d, Real(1)), near), d, begin_[0] + ray);
+      hn::Store(hn::Div(hn::Set(d, Real(1)), far), d, end_[0] + ray);
     }
   }
 
@@ -366,41 +369,40 @@ private:
     const Bounds domain = scene_.field.octree().grid().bounds();
     begin_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
     end_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, end));
-    lengthPerT_[r] = 1.f;
+    lengthPerT_[r] = 1;
     for (int a = 0; a < 3; ++a)
     {
-      constexpr float tiny = 1e-20f;
-      const auto slope = static_cast<float>(ray.direction[a] * scene_.dataScale / scene_.scale);
+      const auto slope = static_cast<Real>(ray.direction[a] * scene_.dataScale / scene_.scale);
       direction_[a][r] = slope;
       origin_[a][r] = toKernel(a, ray.origin[a] + scene_.tReference * ray.direction[a]);
-      inverse_[a][r] = 1.f / (slope >= 0.f ? std::max(slope, tiny) : std::min(slope, -tiny));
-      if (slope == 0.f)
+      inverse_[a][r] = 1 / (slope >= 0 ? std::max(slope, tiny) : std::min(slope, -tiny));
+      if (slope == 0)
       {
         // Beside the planes that it may run in: above them, below the domain's upper face.
-        const float aside = 0x1p-23f * std::max(1.f, std::abs(origin_[a][r]));
+        const Real aside = std::numeric_limits<Real>::epsilon() * std::max<Real>(1, std::abs(origin_[a][r]));
         origin_[a][r] += origin_[a][r] < toKernel(a, domain.max[a]) ? aside : -aside;
       }
     }
   }
 
-  float tToKernel(double t) const noexcept
+  Real tToKernel(double t) const noexcept
   {
-    return static_cast<float>((t - scene_.tReference) * scene_.scale);
+    return static_cast<Real>((t - scene_.tReference) * scene_.scale);
   }
 
   /// Where the ray's begin_ and end_ count.
-  float hitT(int r, std::size_t hit) const noexcept
+  Real hitT(int r, std::size_t hit) const noexcept
   {
     const double t = scene_.stops.hits->hits[hit].t;
-    return CommonOrigin ? static_cast<float>(t * scene_.scale / lengthPerT_[r]) : tToKernel(t);
+    return CommonOrigin ? static_cast<Real>(t * scene_.scale / lengthPerT_[r]) : tToKernel(t);
   }
 
   /// For each of a node's children the groups of which a ray crosses it. OnePart: no ray of the tile has more.
   template <bool OnePart>
   HWY_INLINE void cross(
-    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+    const Box<Real>& box, const std::array<Real, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
   {
-    const FloatTag d;
+    const RealTag<Real> d;
     for (GroupMask& child : children)
     {
       child = 0;
@@ -409,15 +411,15 @@ private:
     {
       const int group = std::countr_zero(active);
       unsigned any = 0; // mask of children
-      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
+      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes<Real>)
       {
-        Floats begin[3][2];
-        Floats end[3][2];
+        Reals<Real> begin[3][2];
+        Reals<Real> end[3][2];
         for (int a = 0; a < 3; ++a)
         {
-          const Floats low = planeT(a, ray, box.min[a]);
-          const Floats mid = planeT(a, ray, middle[a]);
-          const Floats high = planeT(a, ray, box.max[a]);
+          const Reals<Real> low = planeT(a, ray, box.min[a]);
+          const Reals<Real> mid = planeT(a, ray, middle[a]);
+          const Reals<Real> high = planeT(a, ray, box.max[a]);
           begin[a][0] = hn::Min(low, mid);
           end[a][0] = hn::Max(low, mid);
           begin[a][1] = hn::Min(mid, high);
@@ -425,19 +427,19 @@ private:
         }
         for (int part = 0; part < (OnePart ? 1 : parts_); ++part)
         {
-          const Floats rayBegin = hn::Load(d, begin_[part] + ray);
-          const Floats rayEnd = hn::Load(d, end_[part] + ray);
+          const Reals<Real> rayBegin = hn::Load(d, begin_[part] + ray);
+          const Reals<Real> rayEnd = hn::Load(d, end_[part] + ray);
           for (int z = 0; z < 2; ++z)
           {
-            const Floats beginZ = hn::Max(begin[2][z], rayBegin);
-            const Floats endZ = hn::Min(end[2][z], rayEnd);
+            const Reals<Real> beginZ = hn::Max(begin[2][z], rayBegin);
+            const Reals<Real> endZ = hn::Min(end[2][z], rayEnd);
             for (int y = 0; y < 2; ++y)
             {
-              const Floats beginYZ = hn::Max(begin[1][y], beginZ);
-              const Floats endYZ = hn::Min(end[1][y], endZ);
+              const Reals<Real> beginYZ = hn::Max(begin[1][y], beginZ);
+              const Reals<Real> endYZ = hn::Min(end[1][y], endZ);
               for (int x = 0; x < 2; ++x)
               {
-                const Mask crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
+                const Mask<Real> crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
                 any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
               }
             }
@@ -452,7 +454,7 @@ private:
   }
 
   HWY_NOINLINE void crossParts(
-    const Box& box, const std::array<float, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
+    const Box<Real>& box, const std::array<Real, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
   {
     cross<false>(box, middle, active, children);
   }

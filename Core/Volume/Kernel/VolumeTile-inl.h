@@ -32,10 +32,10 @@ namespace HWY_NAMESPACE
 {
 
 /// See TileRays.
-template <bool CommonOrigin>
-class Tile : TileRays<CommonOrigin>
+template <class Real, bool CommonOrigin>
+class Tile : TileRays<Real, CommonOrigin>
 {
-  using Rays = TileRays<CommonOrigin>;
+  using Rays = TileRays<Real, CommonOrigin>;
 
 public:
   explicit Tile(const VolumeKernelScene& scene)
@@ -46,7 +46,7 @@ public:
     , evaluator_(scene.field)
     , writer_(scene.kept)
     , table_(&scene.table.entries.data()->r)
-    , samplesPerCell_(static_cast<float>(scene.settings.samplesPerCell))
+    , samplesPerCell_(static_cast<Real>(scene.settings.samplesPerCell))
   {
   }
 
@@ -77,24 +77,24 @@ public:
 
   /// The work of a frame without its walk: the tile's rays go through one box of a position in the table, as often
   /// as asked for.
-  void repeatInCache(int x0, int y0, float position, int repeats)
+  void repeatInCache(int x0, int y0, Real position, int repeats)
   {
     const GroupMask active = makeRays(x0, y0);
     record_ = {};
-    const Block block{ record_.values.data(), nullptr, { 0.f, position, position, position },
-      std::numeric_limits<float>::max(), false };
+    const Block block{ record_.values.data(), nullptr, { 0, position, position, position },
+      std::numeric_limits<Real>::max(), false };
     // Around the point of the middle ray at half of its length, wide enough for all.
     constexpr int ray = tileRays / 2;
-    const float t = 0.5f * (begin_[0][ray] + std::min(end_[0][ray], begin_[0][ray] + 2.f));
-    const auto half = static_cast<float>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
-    Box box;
+    const Real t = Real(0.5) * (begin_[0][ray] + std::min(end_[0][ray], begin_[0][ray] + 2));
+    const auto half = static_cast<Real>(2. * volumeTileWidth * (scene_.pixelWidth + scene_.pixelGrowth * t));
+    Box<Real> box;
     for (int a = 0; a < 3; ++a)
     {
-      const float middle = (CommonOrigin ? 0.f : origin_[a][ray]) + t * direction_[a][ray];
+      const Real middle = (CommonOrigin ? 0 : origin_[a][ray]) + t * direction_[a][ray];
       box.min[a] = middle - half;
       box.max[a] = middle + half;
     }
-    const Lattice lattice(box);
+    const Lattice<Real> lattice(box);
     for (int repeat = 0; repeat < repeats; ++repeat)
     {
       integrate(block, box, lattice, active);
@@ -119,6 +119,7 @@ private:
   using Rays::drawnRays_;
   using Rays::end_;
   using Rays::enterBox;
+  using Rays::finished;
   using Rays::green_;
   using Rays::groupInTile;
   using Rays::hasHits_;
@@ -148,7 +149,7 @@ private:
       path_.depth = 0;
       index_ = {};
       const Bounds bounds = grid_.nodeBounds(index_, 0);
-      Box box;
+      Box<Real> box;
       for (int a = 0; a < 3; ++a)
       {
         box.min[a] = toKernel(a, bounds.min[a]);
@@ -160,8 +161,8 @@ private:
 
   void finish(int x0, int y0) noexcept
   {
-    statistics_.samples = std::accumulate(samples_, samples_ + lanes, statistics_.samples);
-    std::fill_n(samples_, lanes, 0);
+    statistics_.samples = std::accumulate(samples_, samples_ + lanes<Real>, statistics_.samples);
+    std::fill_n(samples_, lanes<Real>, 0);
     storeAll(x0, y0, scene_.image->rgba.data());
   }
 
@@ -176,7 +177,7 @@ private:
     return scene_.transferFunction.isVisible(range);
   }
 
-  void visit(std::uint64_t node, const Box& box, GroupMask active, Range range)
+  void visit(std::uint64_t node, const Box<Real>& box, GroupMask active, Range range)
   {
     ++statistics_.nodes;
     const Octree::Children children = octree_.children(node);
@@ -211,7 +212,7 @@ private:
     {
       return;
     }
-    std::array<float, 3> middle;
+    std::array<Real, 3> middle;
     Vec3 planes;
     for (int a = 0; a < 3; ++a)
     {
@@ -233,7 +234,7 @@ private:
       {
         continue;
       }
-      Box childBox;
+      Box<Real> childBox;
       for (int a = 0; a < 3; ++a)
       {
         const bool upper = octant >> a & 1;
@@ -256,7 +257,7 @@ private:
           }
           hasValues = true;
         }
-        integrate(block, childBox, Lattice(childBox, octant), crossing[octant]);
+        integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
         continue;
       }
       const auto index = index_;
@@ -311,13 +312,14 @@ private:
     return children.allLeaves() && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node);
   }
 
-  bool isDrawnByMeans(std::uint64_t node, const Octree::Children& children, const Box& box) const noexcept
+  bool isDrawnByMeans(
+    std::uint64_t node, const Octree::Children& children, const Box<Real>& box) const noexcept
   {
     return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node) &&
       isSmall(box);
   }
 
-  bool isSmall(const Box& box) const noexcept
+  bool isSmall(const Box<Real>& box) const noexcept
   {
     double squared = 0.;
     double width = 0.;
@@ -334,14 +336,17 @@ private:
   struct Block
   {
     const std::uint16_t* steps;
-    const float* exact; // places in the table, not cut off at its ends; null unless steps are too coarse
-    ToTable toTable;
-    float variation; // of the extinction over the block's hull, per kernel unit
+    const Real* exact; // places in the table, not cut off at its ends; null unless steps are too coarse
+    ToTable<Real> toTable;
+    Real variation; // of the extinction over the block's hull, per kernel unit
     bool preIntegrate;
   };
 
   /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
-  bool isCoarse(const ToTable& t) const { return !(t.scale < 4.f / BlockRecord::steps * scene_.table.last); }
+  bool isCoarse(const ToTable<Real>& t) const
+  {
+    return !(t.scale < 4 / BlockRecord::steps * scene_.table.last);
+  }
 
   /// Finds the values of a node's children or computes and keeps them. False when nothing of them is visible.
   bool prepareBlock(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
@@ -374,12 +379,12 @@ private:
     const double last = tf.position(range.max) * table.perEntry;
     const double offset = (range.min - tf.min()) * scale;
     const double width = static_cast<double>(range.max) - range.min;
-    block.toTable = { static_cast<float>(width * scale / BlockRecord::steps), static_cast<float>(offset),
-      static_cast<float>(first), static_cast<float>(last) };
+    block.toTable = { static_cast<Real>(width * scale / BlockRecord::steps), static_cast<Real>(offset),
+      static_cast<Real>(first), static_cast<Real>(last) };
     const auto firstEntry = static_cast<std::size_t>(first);
     const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
     const double variation = table.variation[lastEntry] - table.variation[firstEntry];
-    block.variation = static_cast<float>(variation);
+    block.variation = static_cast<Real>(variation);
     block.preIntegrate = scene_.features.preIntegration &&
       pointSampleError(
         scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
@@ -406,11 +411,11 @@ private:
       constexpr double far = 0x1p100;
       for (std::size_t i = 0; i < values_.values.size(); ++i)
       {
-        exact_[i] = static_cast<float>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
+        exact_[i] = static_cast<Real>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
       }
       block.exact = exact_;
-      block.toTable.scale = 1.f;
-      block.toTable.offset = 0.f;
+      block.toTable.scale = 1;
+      block.toTable.offset = 0;
     }
     return true;
   }
@@ -423,17 +428,17 @@ private:
     statistics_.cells += std::popcount(children.leaf);
   }
 
-  void visitBlock(std::uint64_t node, BlockCells cells, const Box& box, GroupMask active)
+  void visitBlock(std::uint64_t node, BlockCells cells, const Box<Real>& box, GroupMask active)
   {
     Block block;
     if (prepareBlock(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
     {
-      integrate(block, box, Lattice(box), active);
+      integrate(block, box, Lattice<Real>(box), active);
     }
   }
 
   /// A tree without inner nodes: one constant.
-  void visitOnlyLeaf(const Box& box, GroupMask active)
+  void visitOnlyLeaf(const Box<Real>& box, GroupMask active)
   {
     if (!octree_.isGhost(0))
     {
@@ -441,10 +446,10 @@ private:
     }
   }
 
-  float positionOf(std::uint64_t leaf) const noexcept
+  Real positionOf(std::uint64_t leaf) const noexcept
   {
     const float value = scene_.field.leafValues()[leaf];
-    return static_cast<float>(scene_.transferFunction.position(value) * scene_.table.perEntry);
+    return static_cast<Real>(scene_.transferFunction.position(value) * scene_.table.perEntry);
   }
 
   /// Whether a leaf of a category is transparent and such ones are left out.
@@ -455,19 +460,19 @@ private:
   }
 
   /// A leaf whose value is the same everywhere in it.
-  void integrateConstant(std::uint64_t leaf, const Box& box, GroupMask active)
+  void integrateConstant(std::uint64_t leaf, const Box<Real>& box, GroupMask active)
   {
     alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
-    const float position = positionOf(leaf);
-    integrate({ noSteps.data(), nullptr, { 0.f, position, position, position }, 0.f, false }, box,
-      Lattice(box), active);
+    const Real position = positionOf(leaf);
+    integrate({ noSteps.data(), nullptr, { 0, position, position, position }, 0, false }, box,
+      Lattice<Real>(box), active);
   }
 
-  void integrate(const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  void integrate(const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, GroupMask active)
   {
     if (block.exact)
     {
-      integrate(ExactValues{ block.exact }, block, box, lattice, active);
+      integrate(ExactValues<Real>{ block.exact }, block, box, lattice, active);
     }
     else
     {
@@ -476,13 +481,13 @@ private:
   }
 
   template <class Values>
-  void integrate(
-    const Values& values, const Block& block, const Box& box, const Lattice& lattice, GroupMask active)
+  void integrate(const Values& values, const Block& block, const Box<Real>& box, const Lattice<Real>& lattice,
+    GroupMask active)
   {
     for (; active != 0; active &= active - 1)
     {
       const int group = std::countr_zero(active);
-      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes)
+      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes<Real>)
       {
         if (hasHits_ || parts_ > 1)
         {
@@ -499,11 +504,11 @@ private:
   /// Takes the rays from `ray` on through a box.
   template <bool PreIntegrated, class Values>
   HWY_INLINE void integrate(
-    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
+    const Values& values, const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, int ray)
   {
-    const FloatTag d;
-    Floats begin = hn::Load(d, begin_[0] + ray);
-    Floats end = hn::Load(d, end_[0] + ray);
+    const RealTag<Real> d;
+    Reals<Real> begin = hn::Load(d, begin_[0] + ray);
+    Reals<Real> end = hn::Load(d, end_[0] + ray);
     enterBox(box, ray, begin, end);
     integratePart<PreIntegrated>(values, block, lattice, ray, begin, end);
   }
@@ -511,17 +516,17 @@ private:
   /// The same, from stop to stop.
   template <bool PreIntegrated, class Values>
   HWY_NOINLINE void integrateFromStopToStop(
-    const Values& values, const Block& block, const Box& box, const Lattice& lattice, int ray)
+    const Values& values, const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, int ray)
   {
-    const FloatTag d;
+    const RealTag<Real> d;
     for (int part = 0; part < parts_; ++part)
     {
-      Floats begin = hn::Load(d, begin_[part] + ray);
-      Floats end = hn::Load(d, end_[part] + ray);
+      Reals<Real> begin = hn::Load(d, begin_[part] + ray);
+      Reals<Real> end = hn::Load(d, end_[part] + ray);
       enterBox(box, ray, begin, end);
       do
       {
-        const Floats stop = hasHits_ ? hn::Min(end, hn::Load(d, nextHitT_ + ray)) : end;
+        const Reals<Real> stop = hasHits_ ? hn::Min(end, hn::Load(d, nextHitT_ + ray)) : end;
         integratePart<PreIntegrated>(values, block, lattice, ray, begin, stop);
       }
       while (hasHits_ && crossHits(part, ray, begin, end));
@@ -531,24 +536,24 @@ private:
   /// Takes the rays from `ray` on from begin to end in a block: by midpoint samples, or by the transfer function's
   /// integrals over what the field covers in each step.
   template <bool PreIntegrated, class Values>
-  HWY_INLINE void integratePart(
-    const Values& values, const Block& block, const Lattice& lattice, int ray, Floats begin, Floats end)
+  HWY_INLINE void integratePart(const Values& values, const Block& block, const Lattice<Real>& lattice,
+    int ray, Reals<Real> begin, Reals<Real> end)
   {
-    const FloatTag d;
-    const Mask crosses = hn::Lt(begin, end);
+    const RealTag<Real> d;
+    const Mask<Real> crosses = hn::Lt(begin, end);
     if (hn::AllFalse(d, crosses))
     {
       return;
     }
     ++statistics_.intervals;
-    const Floats length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
-    Span span;
-    Floats squared = hn::Zero(d);
+    const Reals<Real> length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
+    Span<Real> span;
+    Reals<Real> squared = hn::Zero(d);
     for (int a = 0; a < 3; ++a)
     {
-      const Floats direction = hn::Load(d, direction_[a] + ray);
-      const Floats scale = hn::Set(d, lattice.scale[a]);
-      Floats corner = hn::Set(d, -lattice.min[a]);
+      const Reals<Real> direction = hn::Load(d, direction_[a] + ray);
+      const Reals<Real> scale = hn::Set(d, lattice.scale[a]);
+      Reals<Real> corner = hn::Set(d, -lattice.min[a]);
       if (!CommonOrigin)
       {
         corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
@@ -557,22 +562,24 @@ private:
       span.slope[a] = hn::Mul(direction, scale);
       squared = mulAdd(span.slope[a], span.slope[a], squared);
     }
-    const Floats opacity = hn::Load(d, opacity_ + ray);
-    const Floats transmittance = hn::Sub(hn::Set(d, 1.f), opacity);
-    const Floats lengthPerT = hn::Load(d, lengthPerT_ + ray);
+    const Reals<Real> opacity = hn::Load(d, opacity_ + ray);
+    const Reals<Real> transmittance = hn::Sub(hn::Set(d, Real(1)), opacity);
+    const Reals<Real> lengthPerT = hn::Load(d, lengthPerT_ + ray);
     // Squares: of the way in widths of a leaf, and of what the variation of optical depth on it asks for.
-    const Floats widths = hn::Mul(hn::Mul(squared, hn::Set(d, 0.25f)), hn::Mul(length, length));
-    const Floats variation = hn::Mul(hn::Mul(length, lengthPerT),
+    const Reals<Real> widths = hn::Mul(hn::Mul(squared, hn::Set(d, Real(0.25))), hn::Mul(length, length));
+    const Reals<Real> variation = hn::Mul(hn::Mul(length, lengthPerT),
       hn::Mul(
         transmittance, hn::Set(d, samplesPerRootVariation * samplesPerRootVariation * block.variation)));
-    const Floats wanted = hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
-    const float mostSamples = chooseSteps(hn::IfThenElseZero(crosses, wanted), length, span);
+    const Reals<Real> wanted =
+      hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
+    const Real mostSamples = chooseSteps<Real>(hn::IfThenElseZero(crosses, wanted), length, span);
     span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
     span.samples = hn::IfThenElseZero(crosses, span.samples);
-    hn::Store(hn::Add(hn::Load(IntTag(), samples_), hn::NearestInt(span.samples)), IntTag(), samples_);
+    const IntTag<Real> di;
+    hn::Store(hn::Add(hn::Load(di, samples_), nearest<Real>(span.samples)), di, samples_);
     statistics_.steps += static_cast<std::uint64_t>(mostSamples);
 
-    Light light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
+    Light<Real> light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
       hn::Load(d, blue_ + ray) };
     if constexpr (PreIntegrated)
     {
@@ -581,8 +588,8 @@ private:
     }
     else
     {
-      float i = 0.f;
-      for (; i + 1.f < mostSamples; i += 2.f)
+      Real i = 0;
+      for (; i + 1 < mostSamples; i += 2)
       {
         statistics_.litSteps += takePoints<2>(table_, span, i, values, block.toTable, lattice, light);
       }
@@ -595,11 +602,11 @@ private:
     hn::Store(light.red, d, red_ + ray);
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
-    const Mask done = hn::Gt(light.opacity, hn::Set(d, opaque));
+    const Mask<Real> done = hn::Gt(light.opacity, hn::Set(d, opaque));
     int part = 0;
     do
     {
-      float* ends = end_[part] + ray;
+      Real* ends = end_[part] + ray;
       hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, ends)), d, ends);
     }
     while (++part < parts_);
@@ -612,21 +619,22 @@ private:
   BlockEvaluator evaluator_;
   BlockCache::Writer writer_;
   const float* table_;
-  float samplesPerCell_;
+  Real samplesPerCell_;
   BlockValues values_; // computed last
   BlockRecord record_;
-  HWY_ALIGN float exact_[128] = {};
+  HWY_ALIGN Real exact_[128] = {};
 
   std::array<Coord, 3> index_{};
 
   VolumeStatistics statistics_;
-  HWY_ALIGN std::int32_t samples_[lanes] = {}; // by lane: summing a vector up at each interval takes longer
+  /// By lane: summing a vector up at each interval takes longer.
+  HWY_ALIGN std::int32_t samples_[lanes<Real>] = {};
 };
 
-template <bool CommonOrigin>
-VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
+template <class Real, bool CommonOrigin>
+VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, Real position, int repeats)
 {
-  Tile<CommonOrigin> tile(scene);
+  Tile<Real, CommonOrigin> tile(scene);
   for (int column = 0; column < columns; ++column)
   {
     tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, position, repeats);
@@ -634,10 +642,10 @@ VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns,
   return tile.statistics();
 }
 
-template <bool CommonOrigin>
+template <class Real, bool CommonOrigin>
 void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
 {
-  Tile<CommonOrigin> tile(scene);
+  Tile<Real, CommonOrigin> tile(scene);
   while (!groups.empty())
   {
     const int x = groups.front().x / volumeTileWidth * volumeTileWidth;
@@ -654,10 +662,10 @@ void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> gr
   }
 }
 
-template <bool CommonOrigin>
+template <class Real, bool CommonOrigin>
 VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
-  Tile<CommonOrigin> tile(scene);
+  Tile<Real, CommonOrigin> tile(scene);
   for (int column = columnBegin; column < columnEnd; ++column)
   {
     tile.render(column * volumeTileWidth, row * volumeTileWidth);
