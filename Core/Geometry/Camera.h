@@ -59,6 +59,10 @@ public:
   /// Perspective only.
   PixelFan fan() const noexcept;
   const Matrix4& worldFromData() const noexcept { return worldFromData_; }
+  const Matrix4& clipFromData() const noexcept { return clipFromData_; }
+  const Matrix4& dataFromClip() const noexcept { return dataFromClip_; }
+  /// The sign that turns directions from the eye to points in front of it; perspective only.
+  double forward() const noexcept { return forward_; }
   /// t at a window depth in [0, 1] (0 = near plane) along the ray.
   double tFromDepth(const Ray& ray, double depth) const noexcept;
   /// Whether a box lies between the near and the far plane, touching neither.
@@ -92,7 +96,7 @@ private:
   int height_;
   bool perspective_ = false;
   Vec3 eye_{};
-  double forward_ = 1.; // sign that turns ray directions away from the eye
+  double forward_ = 1.;
 };
 
 inline Ray Camera::ray(int px, int py) const noexcept

@@ -49,26 +49,6 @@ BlockIntersection::BlockIntersection(const SurfaceBlocks& blocks, const TraceSpa
   }
 }
 
-bool BlockIntersection::start(const Ray& world, double tMin, double tMax, RayPart& ray) const noexcept
-{
-  const Bounds& domain = space_.domain();
-  ray.ray = SlabRay(space_.ray(world));
-  ray.tEnter = tMin;
-  ray.tLeave = tMax;
-  ray.ray.enterUpperFaces(domain);
-  if (!ray.ray.clip(domain.min, domain.max, ray.tEnter, ray.tLeave))
-  {
-    return false;
-  }
-  ray.rounding = 0.;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double reach = std::abs(ray.ray.origin[a]) + ray.tLeave * std::abs(ray.ray.direction[a]);
-    ray.rounding = std::max(ray.rounding, 0x1p-50 * reach);
-  }
-  return true;
-}
-
 void BlockIntersection::add(std::size_t mostHits, RayTile& tile) const noexcept
 {
   const int i = tile.count++;

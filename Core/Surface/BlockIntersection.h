@@ -62,7 +62,7 @@ struct RayHits
 /// Rays of a tile of an image: packets of 4 x 4 pixels take the same way and ask for the same vertex values.
 struct RayTile
 {
-  static constexpr int packet = 4;
+  static constexpr int packet = PixelRays::edge;
   static constexpr int size = 4 * packet; // pixels along an edge
   static constexpr int most = size * size;
   static_assert(most == SlabRays::most && packet * packet == OctantCandidates::mostRays);
@@ -102,8 +102,6 @@ public:
   const SurfaceBlocks& blocks() const noexcept { return blocks_; }
   const TraceSpace& space() const noexcept { return space_; }
 
-  /// The part of a ray in [tMin, tMax] that is in the domain; false when it misses it.
-  bool start(const Ray& world, double tMin, double tMax, RayPart& ray) const noexcept;
   /// Adds to a tile the ray that is its next one; mostHits: that are wanted of it.
   void add(std::size_t mostHits, RayTile& tile) const noexcept;
 

@@ -1,10 +1,10 @@
 // A ray through the octants of a block of leaves, and the field along it.
 #pragma once
 
-#include "Geometry/RayBox.h"
 #include "Geometry/Trilinear.h"
 #include "Surface/CubicRoot.h"
 #include "Surface/SurfaceBlocks.h"
+#include "Surface/TraceSpace.h"
 
 #include <algorithm>
 #include <array>
@@ -13,67 +13,6 @@
 
 namespace treeamr
 {
-
-/// The coordinates that rays are traced in. On a uniform root grid they count roots: planes of cells are exact
-/// numbers there, wherever and however large the domain is. Other root grids bend rays, so it is the world's.
-class TraceSpace
-{
-public:
-  explicit TraceSpace(const RootGrid& grid)
-    : grid_(grid)
-    , origin_(grid.bounds().min)
-    , uniform_(grid.isUniform())
-  {
-    const Bounds bounds = grid.bounds();
-    for (int a = 0; a < 3; ++a)
-    {
-      origin_[a] = uniform_ ? bounds.min[a] : 0.;
-      width_[a] = uniform_ ? (bounds.max[a] - bounds.min[a]) / grid.roots()[a] : 1.;
-      perWidth_[a] = 1. / width_[a];
-      domain_.min[a] = uniform_ ? 0. : bounds.min[a];
-      domain_.max[a] = uniform_ ? grid.roots()[a] : bounds.max[a];
-    }
-  }
-
-  const Bounds& domain() const noexcept { return domain_; }
-  /// World length of a unit along an axis.
-  double width(int axis) const noexcept { return width_[axis]; }
-  /// The same t at the same places.
-  Ray ray(const Ray& world) const noexcept
-  {
-    Ray r;
-    for (int a = 0; a < 3; ++a)
-    {
-      r.origin[a] = (world.origin[a] - origin_[a]) * perWidth_[a];
-      r.direction[a] = world.direction[a] * perWidth_[a];
-    }
-    return r;
-  }
-  /// Planes `index` to index + 4 of a level.
-  void planes(int axis, Coord index, int level, std::array<double, 5>& planes) const noexcept
-  {
-    if (!uniform_)
-    {
-      grid_.worldPlanes(axis, index, level, 5, planes.data());
-      return;
-    }
-    const double part = 1. / static_cast<double>(Coord(1) << level);
-    for (int i = 0; i < 5; ++i)
-    {
-      planes[i] = std::min(static_cast<double>(index + i) * part, domain_.max[axis]);
-    }
-  }
-  int paddingDepth() const noexcept { return grid_.paddingDepth(); }
-  bool isUniform() const noexcept { return uniform_; }
-
-private:
-  const RootGrid& grid_;
-  Vec3 origin_;
-  Vec3 width_;
-  Vec3 perWidth_;
-  Bounds domain_;
-  bool uniform_;
-};
 
 /// The planes of a block's octants.
 struct BlockPlanes

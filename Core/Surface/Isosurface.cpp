@@ -8,10 +8,10 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -39,68 +39,15 @@ std::vector<double> checked(std::vector<double> isovalues)
   return isovalues;
 }
 
-/// The rays of an image, and what of them is asked about.
-class ImageRays
+/// Calls body(i) for the bits that are set.
+template <class Body>
+void forBits(std::uint32_t bits, const Body& body)
 {
-public:
-  ImageRays(const Camera& camera, const RayStops& stops, const Bounds& box)
-    : camera_(camera)
-    , stops_(stops)
-    , box_(box)
-    , eye_(camera.eye())
-    , fan_(camera.isPerspective() ? std::optional(camera.fan()) : std::nullopt)
-    , isCut_(!camera.seesAllDepthsOf(box.min, box.max))
+  for (; bits != 0; bits &= bits - 1)
   {
+    body(std::countr_zero(bits));
   }
-
-  /// True only for pixels whose ray passes the box at a distance: cheaper than to make the ray.
-  bool miss(int x, int y) const noexcept
-  {
-    double in = 0.;
-    double out = std::numeric_limits<double>::infinity();
-    for (int a = 0; a < 3; ++a)
-    {
-      const double inverse = 1. / (fan_->direction[a] + x * fan_->perX[a] + y * fan_->perY[a]);
-      const double margin = 1e-6 * (box_.max[a] - box_.min[a]);
-      const double low = (box_.min[a] - margin - eye_[a]) * inverse;
-      const double high = (box_.max[a] + margin - eye_[a]) * inverse;
-      in = std::max(in, std::min(low, high));
-      out = std::min(out, std::max(low, high));
-    }
-    return in > out; // not for NaN
-  }
-
-  /// Whether some of a square's pixels may: those that show the box form a convex area.
-  bool mayMiss(int x, int y, int size) const noexcept
-  {
-    bool any = false;
-    for (int corner = 0; fan_ && corner < 4; ++corner)
-    {
-      any = any || miss(x + (corner & 1) * size, y + (corner >> 1) * size);
-    }
-    return any;
-  }
-
-  RayParts parts(const Ray& ray, int x, int y) const noexcept
-  {
-    if (!stops_.isEmpty())
-    {
-      return stops_.parts(camera_, ray, x, y);
-    }
-    RayParts parts;
-    isCut_ ? parts.add(camera_.tFromDepth(ray, 0.), camera_.tFromDepth(ray, 1.))
-           : parts.add(0., std::numeric_limits<double>::infinity());
-    return parts;
-  }
-
-private:
-  const Camera& camera_;
-  const RayStops& stops_;
-  Bounds box_;
-  Vec3 eye_;
-  std::optional<PixelFan> fan_; // perspective only
-  bool isCut_;                  // by the near or far plane
-};
+}
 
 /// The tiles of an image.
 class ImageTiles
@@ -134,22 +81,35 @@ public:
       });
   }
 
-  /// Calls body(x, y, number) for the pixels of a tile, packet by packet.
+  /// Calls body(x, y, pixels) for the packets of a tile: that of their first pixel, and a bit for each that is in the
+  /// image.
+  template <class Body>
+  void forPackets(int i, int j, const Body& body) const
+  {
+    constexpr int packet = RayTile::packet;
+    for (int k = 0; k < RayTile::most / PixelRays::most; ++k)
+    {
+      const int x = i * RayTile::size + packet * (k % 4);
+      const int y = j * RayTile::size + packet * (k / 4);
+      std::uint32_t pixels = 0;
+      for (int p = 0; p < PixelRays::most; ++p)
+      {
+        pixels |= static_cast<std::uint32_t>(x + p % packet < width_ && y + p / packet < height_) << p;
+      }
+      body(x, y, pixels);
+    }
+  }
+  /// Calls body(number) for the pixels of a tile, packet by packet.
   template <class Body>
   void forPixels(int i, int j, const Body& body) const
   {
-    constexpr int packet = RayTile::packet;
-    for (int k = 0; k < RayTile::most; ++k)
-    {
-      const int inPacket = k % (packet * packet);
-      const int ofTile = k / (packet * packet);
-      const int x = i * RayTile::size + packet * (ofTile % 4) + inPacket % packet;
-      const int y = j * RayTile::size + packet * (ofTile / 4) + inPacket / packet;
-      if (x < width_ && y < height_)
-      {
-        body(x, y, static_cast<std::size_t>(y) * width_ + x);
-      }
-    }
+    forPackets(i, j,
+      [&](int x, int y, std::uint32_t pixels) { forBits(pixels, [&](int p) { body(pixelOf(x, y, p)); }); });
+  }
+  /// Of the p-th of a packet.
+  std::size_t pixelOf(int x, int y, int p) const noexcept
+  {
+    return static_cast<std::size_t>(y + p / RayTile::packet) * width_ + x + p % RayTile::packet;
   }
 
 private:
@@ -180,24 +140,41 @@ struct Isosurface::Impl
   {
   }
 
-  /// Adds a ray to a tile, of whose parts the hits count; false when it meets nothing.
-  bool add(const Ray& ray, const RayParts& parts, std::size_t mostHits, RayTile& tile) const
+  /// Adds to a tile the rays of a packet's pixels whose bits are set, and returns the bits of those that may meet
+  /// something. isCut: whether the near or the far plane cuts them.
+  std::uint32_t add(const Camera& camera, const RayStops& stops, bool isCut, int x, int y,
+    std::uint32_t pixels, std::size_t mostHits, RayTile& tile) const
   {
-    RayPart part;
-    const int i = tile.count;
-    if (parts.count == 0 || !intersection.start(ray, parts.begin[0], parts.end[parts.count - 1], part) ||
-      !hierarchy.enter(part, i, tile.rays))
+    PixelRays rays;
+    castRays(camera, isCut, x, y, rays);
+    std::array<RayParts, PixelRays::most> parts;
+    if (!stops.isEmpty())
     {
-      return false;
+      forBits(pixels, [&](int p) {
+        parts[p] = stops.parts(camera, rays.at(p), x + p % RayTile::packet, y + p / RayTile::packet);
+        if (parts[p].count > 0)
+        {
+          rays.begin[p] = parts[p].begin[0];
+          rays.end[p] = parts[p].end[parts[p].count - 1];
+        }
+        else
+        {
+          pixels &= ~(1u << p);
+        }
+      });
     }
-    intersection.add(mostHits, tile);
-    if (parts.count > 1)
-    {
-      tile.parts.resize(RayTile::most);
-      tile.parts[i] = parts;
-      tile.hits[i].parts = &tile.parts[i];
-    }
-    return true;
+    const std::uint32_t started = startRays(space, rays, pixels, tile.count, tile.rays);
+    forBits(started, [&](int p) {
+      const int i = tile.count;
+      intersection.add(mostHits, tile);
+      if (parts[p].count > 1)
+      {
+        tile.parts.resize(RayTile::most);
+        tile.parts[i] = parts[p];
+        tile.hits[i].parts = &tile.parts[i];
+      }
+    });
+    return started;
   }
   RayTile& tile()
   {
@@ -271,7 +248,7 @@ bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit&
   RayPart part;
   RayHits hits;
   hits.clear();
-  if (impl_->intersection.start(ray, tMin, tMax, part))
+  if (impl_->space.start(ray, tMin, tMax, part))
   {
     impl_->hierarchy.intersect(part, hits);
   }
@@ -289,7 +266,7 @@ void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vec
   RayHits hits;
   hits.clear();
   hits.all = &all;
-  if (impl_->intersection.start(ray, tMin, tMax, part))
+  if (impl_->space.start(ray, tMin, tMax, part))
   {
     impl_->hierarchy.intersect(part, hits);
     impl_->intersection.sort(part.ray.direction, hits);
@@ -301,7 +278,7 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax) const
   RayPart part;
   RayHits hits;
   hits.clear();
-  if (impl_->intersection.start(ray, tMin, tMax, part))
+  if (impl_->space.start(ray, tMin, tMax, part))
   {
     impl_->hierarchy.occluded(part, hits);
   }
@@ -330,22 +307,18 @@ void Isosurface::render(const Camera& camera, const RayStops& stops, SurfaceLaye
 {
   stops.check(camera, "isosurface");
   const std::size_t most = layers == SurfaceLayers::Nearest ? 1 : mostHits;
-  const ImageRays rays(camera, stops, impl_->blocks.field().octree().grid().bounds());
+  const Bounds box = impl_->blocks.field().octree().grid().bounds();
+  const bool isCut = !camera.seesAllDepthsOf(box.min, box.max);
   const ImageTiles tiles(camera.width(), camera.height());
   std::vector<std::vector<SurfaceHit>> parts(tiles.count());
   image.first.assign(tiles.pixels() + 1, 0);
   tiles.forAll([&](int i, int j) {
     RayTile& tile = impl_->tile();
     std::array<std::size_t, RayTile::most> pixelOf;
-    const bool mayMiss = rays.mayMiss(i * RayTile::size, j * RayTile::size, RayTile::size);
-    tiles.forPixels(i, j, [&](int x, int y, std::size_t pixel) {
-      if (mayMiss && rays.miss(x, y))
-      {
-        return;
-      }
-      pixelOf[tile.count] = pixel;
-      const Ray ray = camera.ray(x, y);
-      impl_->add(ray, rays.parts(ray, x, y), most, tile);
+    tiles.forPackets(i, j, [&](int x, int y, std::uint32_t pixels) {
+      int ray = tile.count;
+      forBits(impl_->hierarchy.isEmpty() ? 0 : impl_->add(camera, stops, isCut, x, y, pixels, most, tile),
+        [&](int p) { pixelOf[ray++] = tiles.pixelOf(x, y, p); });
     });
     if (tile.count != 0)
     {
@@ -375,7 +348,7 @@ void Isosurface::render(const Camera& camera, const RayStops& stops, SurfaceLaye
   image.hits.resize(image.first[tiles.pixels()]);
   tiles.forAll([&](int i, int j) {
     auto next = parts[tiles.number(i, j)].begin();
-    tiles.forPixels(i, j, [&](int, int, std::size_t pixel) {
+    tiles.forPixels(i, j, [&](std::size_t pixel) {
       const auto count = static_cast<std::ptrdiff_t>(image.first[pixel + 1] - image.first[pixel]);
       std::copy(next, next + count, image.hits.begin() + static_cast<std::ptrdiff_t>(image.first[pixel]));
       next += count;

@@ -126,8 +126,6 @@ struct Query
 struct SurfaceHierarchy::Impl
 {
   const BlockIntersection& intersection;
-  Bounds domain;
-  Vec3 perExtent; // of it
   std::atomic<std::ptrdiff_t> bytes{ 0 };
   double seconds = 0.;
   RTCDevice device = nullptr;
@@ -136,12 +134,7 @@ struct SurfaceHierarchy::Impl
 
   explicit Impl(const BlockIntersection& with)
     : intersection(with)
-    , domain(with.space().domain())
   {
-    for (int a = 0; a < 3; ++a)
-    {
-      perExtent[a] = 1. / (domain.max[a] - domain.min[a]);
-    }
   }
   ~Impl()
   {
@@ -193,13 +186,14 @@ struct SurfaceHierarchy::Impl
       return;
     }
     const BlockPlanes planes(self.intersection.space(), block);
+    const Bounds& domain = self.intersection.space().domain();
     for (int a = 0; a < 3; ++a)
     {
-      const double extent = self.domain.max[a] - self.domain.min[a];
+      const double extent = domain.max[a] - domain.min[a];
       const double low = planes.at[a][block.firstActive(a)];
       const double high = planes.at[a][block.endActive(a)];
-      lower[a] = static_cast<float>((low - self.domain.min[a]) / extent) - embreeRounding;
-      upper[a] = static_cast<float>((high - self.domain.min[a]) / extent) + embreeRounding;
+      lower[a] = static_cast<float>((low - domain.min[a]) / extent) - embreeRounding;
+      upper[a] = static_cast<float>((high - domain.min[a]) / extent) + embreeRounding;
     }
   }
 
@@ -304,27 +298,12 @@ struct SurfaceHierarchy::Impl
     }
   }
 
-  /// In Embree's unit cube; false: see enter().
-  bool find(const RayPart& part, std::array<float, 3>& origin, std::array<float, 3>& direction) const noexcept
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      origin[a] = static_cast<float>(
-        (part.ray.origin[a] + part.tEnter * part.ray.direction[a] - domain.min[a]) * perExtent[a]);
-      direction[a] = static_cast<float>(part.ray.direction[a] * (part.tLeave - part.tEnter) * perExtent[a]);
-      if (!(std::abs(origin[a]) + std::abs(direction[a]) <= SurfaceHierarchy::aroundUnitCube))
-      {
-        return false;
-      }
-    }
-    return scene != nullptr;
-  }
-
+  /// False for a ray that can meet no block.
   bool find(const RayPart& part, RTCRay& ray) const noexcept
   {
-    std::array<float, 3> o;
-    std::array<float, 3> d;
-    const bool found = find(part, o, d);
+    std::array<float, 3> o{};
+    std::array<float, 3> d{};
+    const bool found = scene && intersection.space().toUnitCube(part, o, d);
     ray = { o[0], o[1], o[2], 0.f, d[0], d[1], d[2], 0.f, 1.f + embreeRounding, 0xffffffffu, 0, 0 };
     return found;
   }
@@ -417,18 +396,9 @@ double SurfaceHierarchy::seconds() const noexcept
   return impl_->seconds;
 }
 
-bool SurfaceHierarchy::enter(const RayPart& part, int i, SlabRays& rays) const noexcept
+bool SurfaceHierarchy::isEmpty() const noexcept
 {
-  std::array<float, 3> origin;
-  std::array<float, 3> direction;
-  const bool found = impl_->find(part, origin, direction);
-  rays.set(i, part);
-  for (int a = 0; a < 3; ++a)
-  {
-    rays.unitOrigin[a][i] = origin[a];
-    rays.unitDirection[a][i] = direction[a];
-  }
-  return found;
+  return !impl_->scene;
 }
 
 void SurfaceHierarchy::intersect(const RayPart& part, RayHits& hits) const

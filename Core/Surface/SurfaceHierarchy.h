@@ -17,9 +17,6 @@ class SurfaceHierarchy
 public:
   /// As many blocks are too many.
   static constexpr std::size_t blockLimit = RayHits::noBlock;
-  /// A ray's coordinates and direction in the unit cube are no longer, in sum: Embree may abort.
-  static constexpr float aroundUnitCube = 4.f;
-
   /// Throws Error when Embree fails. Of no blocks it is none, as is every ray then.
   explicit SurfaceHierarchy(const BlockIntersection& intersection);
   ~SurfaceHierarchy();
@@ -34,11 +31,9 @@ public:
   /// Of wall time, to build it.
   double seconds() const noexcept;
 
-  /// Makes a ray the i-th of a tile's; false for one that can meet no block: without blocks, for NaN and from so far
-  /// away that no digits are left.
-  bool enter(const RayPart& part, int i, SlabRays& rays) const noexcept;
-  /// Takes a ray, or all rays of a tile, through the blocks on their ways. Of those that can meet no block, there must
-  /// be none in the tile.
+  /// Whether there is none: then rays of tiles must not ask.
+  bool isEmpty() const noexcept;
+  /// Takes a ray, or all rays of a tile, through the blocks on their ways.
   void intersect(const RayPart& part, RayHits& hits) const;
   void intersect(RayTile& tile) const;
   /// The same until there is any hit. One by one: packets of spread rays visit the blocks of all of them.

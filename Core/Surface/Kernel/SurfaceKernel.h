@@ -1,5 +1,5 @@
 // Many rays through the octants of blocks of leaves at once, vectorised with Highway and compiled once for each
-// instruction set, with the bits of walkBlock(), alongCrossing(), visitRoots() and gradientsAt() on all; the best is
+// instruction set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots() and gradientsAt() on all; the best is
 // chosen when the program runs. Each stage packs what it found, so that the next one has no idle lanes.
 #pragma once
 
@@ -13,14 +13,26 @@
 namespace treeamr
 {
 
-/// The part of a ray that may meet a surface.
-struct RayPart
+/// The rays of a packet of pixels side by side, by component.
+struct PixelRays
 {
-  SlabRay ray; // in TraceSpace
-  double tEnter;
-  double tLeave;
-  double rounding; // bound of the error of a place along the ray
+  static constexpr int edge = 4; // of the packet, in pixels
+  static constexpr int most = edge * edge;
+  using Component = std::array<double, most>;
+  alignas(64) std::array<Component, 3> origin; // in data coordinates
+  alignas(64) std::array<Component, 3> direction;
+  alignas(64) Component begin; // the part that is asked about
+  alignas(64) Component end;
+
+  Ray at(int i) const noexcept
+  {
+    return { { origin[0][i], origin[1][i], origin[2][i] },
+      { direction[0][i], direction[1][i], direction[2][i] } };
+  }
 };
+
+/// Camera::ray() of the pixels from (x, y) on, row by row; as far as from the near to the far plane when these cut it.
+void castRays(const Camera& camera, bool isCut, int x, int y, PixelRays& rays) noexcept;
 
 /// Parts of rays side by side, by component. All of them may be read beyond the last, by a vector.
 struct SlabRays
@@ -40,18 +52,6 @@ struct SlabRays
   alignas(64) std::array<FloatComponent, 3> unitOrigin{};
   alignas(64) std::array<FloatComponent, 3> unitDirection{};
 
-  void set(int i, const RayPart& part) noexcept
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      origin[a][i] = part.ray.origin[a];
-      direction[a][i] = part.ray.direction[a];
-      inverse[a][i] = part.ray.inverse[a];
-    }
-    enter[i] = part.tEnter;
-    leave[i] = part.tLeave;
-    rounding[i] = part.rounding;
-  }
   RayPart at(int i) const noexcept
   {
     RayPart part;
@@ -68,6 +68,11 @@ struct SlabRays
   }
   Vec3 directionOf(int i) const noexcept { return { direction[0][i], direction[1][i], direction[2][i] }; }
 };
+
+/// Adds those of the rays whose bits are set that TraceSpace::start() and toUnitCube() are true for, with what these
+/// find, from the count-th on. Returns their bits.
+std::uint32_t startRays(
+  const TraceSpace& space, const PixelRays& rays, std::uint32_t wanted, int count, SlabRays& found) noexcept;
 
 /// A block that rays are crossed with.
 struct CrossedBlock
@@ -96,7 +101,7 @@ struct CrossedBlock
 /// Parts of rays in octants in which the field may reach an isovalue, by component, of some blocks.
 struct OctantCandidates
 {
-  static constexpr int mostRays = 16;
+  static constexpr int mostRays = PixelRays::most;
   static constexpr int mostIsovalues = 4; // that are looked for at once
   static constexpr int mostOctants = 10;  // that a ray passes in a block
   static constexpr int mostAdded = mostRays * mostIsovalues * mostOctants;
