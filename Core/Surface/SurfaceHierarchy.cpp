@@ -204,6 +204,10 @@ struct SurfaceHierarchy::Impl
   {
     const BlockIntersection& intersection = static_cast<const Impl*>(args->geometryUserPtr)->intersection;
     Query& query = *reinterpret_cast<Query*>(args->context);
+    if (query.failure)
+    {
+      return; // what failed has left the tile half done
+    }
     try
     {
       if (!query.tile)
