@@ -121,11 +121,11 @@ struct Crossings
 
   HWY_INLINE void add(Mask rays, Doubles begin, Doubles end, Integers codes)
   {
-    const Tag d;
-    hn::CompressStore(begin, rays, d, &t0[count]);
-    hn::CompressStore(end, rays, d, &t1[count]);
-    count +=
-      static_cast<int>(hn::CompressStore(codes, hn::RebindMask(IntTag(), rays), IntTag(), &code[count]));
+    const Packing packing(rays);
+    packing.store(begin, &t0[count]);
+    packing.store(end, &t1[count]);
+    packing.store(codes, &code[count]);
+    count += packing.count();
   }
 };
 
@@ -322,23 +322,24 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
         continue;
       }
       const int at = found.count;
-      hn::CompressStore(t0, keep, d, &found.t0[at]);
-      hn::CompressStore(t1, keep, d, &found.t1[at]);
+      const Packing packing(keep);
+      packing.store(t0, &found.t0[at]);
+      packing.store(t1, &found.t1[at]);
       for (int c = 0; c < 4; ++c)
       {
-        hn::CompressStore(cubic[c], keep, d, &found.cubic[c][at]);
+        packing.store(cubic[c], &found.cubic[c][at]);
       }
       for (int a = 0; a < 3; ++a)
       {
-        hn::CompressStore(places.from[a], keep, d, &found.from[a][at]);
-        hn::CompressStore(places.part[a], keep, d, &found.part[a][at]);
+        packing.store(places.from[a], &found.from[a][at]);
+        packing.store(places.part[a], &found.part[a][at]);
       }
-      hn::CompressStore(tolerance, keep, d, &found.tolerance[at]);
+      packing.store(tolerance, &found.tolerance[at]);
       const auto number = static_cast<std::int64_t>(firstIsovalue + surface);
       const Integers codes =
         hn::Or(hn::Or(code, blockCode), hn::Set(di, number << OctantCandidates::isovalueShift));
-      found.count +=
-        static_cast<int>(hn::CompressStore(codes, hn::RebindMask(di, keep), di, &found.code[at]));
+      packing.store(codes, &found.code[at]);
+      found.count += packing.count();
     }
   }
 }

@@ -172,7 +172,7 @@ std::uint32_t StartRays(
   for (int i = 0; i < PixelRays::most; i += lanes)
   {
     const Parts parts(space, rays, i);
-    std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(wanted >> i & ((1u << lanes) - 1)) };
+    const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(wanted >> i & ((1u << lanes) - 1)) };
     Mask starts = hn::And(parts.enters, hn::LoadMaskBits(d, bits.data()));
     std::array<hn::Vec<hn::Rebind<float, Tag>>, 3> unitOrigin;
     std::array<hn::Vec<hn::Rebind<float, Tag>>, 3> unitDirection;
@@ -186,29 +186,20 @@ std::uint32_t StartRays(
       const auto reach = hn::Add(hn::Abs(unitOrigin[a]), hn::Abs(unitDirection[a]));
       starts = hn::And(starts, hn::Le(hn::PromoteTo(d, reach), set(TraceSpace::aroundUnitCube)));
     }
-    bits = {};
-    hn::StoreMaskBits(d, starts, bits.data());
-    const auto add = [&](Doubles component, SlabRays::Component& to) {
-      hn::CompressStore(component, starts, d, &to[count]);
-    };
-    const auto addSingle = [&](auto component, SlabRays::FloatComponent& to) {
-      HWY_ALIGN double packed[lanes];
-      hn::CompressStore(hn::PromoteTo(d, component), starts, d, packed);
-      hn::StoreU(hn::DemoteTo(df, hn::Load(d, packed)), df, &to[count]);
-    };
+    const Packing packing(starts);
     for (int a = 0; a < 3; ++a)
     {
-      add(parts.origin[a], found.origin[a]);
-      add(parts.direction[a], found.direction[a]);
-      add(parts.inverse[a], found.inverse[a]);
-      addSingle(unitOrigin[a], found.unitOrigin[a]);
-      addSingle(unitDirection[a], found.unitDirection[a]);
+      packing.store(parts.origin[a], &found.origin[a][count]);
+      packing.store(parts.direction[a], &found.direction[a][count]);
+      packing.store(parts.inverse[a], &found.inverse[a][count]);
+      packing.store(hn::PromoteTo(d, unitOrigin[a]), &found.unitOrigin[a][count]);
+      packing.store(hn::PromoteTo(d, unitDirection[a]), &found.unitDirection[a][count]);
     }
-    add(parts.enter, found.enter);
-    add(parts.leave, found.leave);
-    add(parts.rounding, found.rounding);
-    count += static_cast<int>(hn::CountTrue(d, starts));
-    started |= static_cast<std::uint32_t>(bits[0]) << i;
+    packing.store(parts.enter, &found.enter[count]);
+    packing.store(parts.leave, &found.leave[count]);
+    packing.store(parts.rounding, &found.rounding[count]);
+    count += packing.count();
+    started |= packing.bits() << i;
   }
   return started;
 }
