@@ -12,4 +12,10 @@ struct Bounds
   Vec3 max{};
 };
 
+inline double diagonalOf(const Bounds& box) noexcept
+{
+  const Vec3 d{ box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2] };
+  return std::sqrt(dot(d, d));
+}
+
 } // namespace treeamr

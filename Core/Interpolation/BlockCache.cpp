@@ -1,10 +1,8 @@
 #include "Interpolation/BlockCache.h"
 
-#include "Error.h"
 #include "Interpolation/BlockKernel.h"
 
 #include <new>
-#include <string>
 
 namespace treeamr
 {
@@ -14,26 +12,12 @@ BlockRecord::BlockRecord(const BlockValues& block) noexcept
   quantise(block.values, block.range, steps, values);
 }
 
-BlockCache::BlockCache(const Octree& octree, std::size_t budgetBytes)
-  : octree_(octree.identity())
-  , slots_(budgetBytes < octree.innerCount() * sizeof(slots_[0]) + sizeof(Chunk) ? 0 : octree.innerCount())
+BlockCache::BlockCache(const Field& field, std::size_t budgetBytes)
+  : slots_(budgetBytes < field.octree().innerCount() * sizeof(slots_[0]) + sizeof(Chunk)
+        ? 0
+        : field.octree().innerCount())
   , pool_(slots_.size(), budgetBytes - slots_.size() * sizeof(slots_[0]))
 {
-}
-
-void BlockCache::startFrame(const Field& field)
-{
-  if (octree_ != field.octree().identity())
-  {
-    throw Error("vertex cache: made for another octree than that of the field, which has " +
-      std::to_string(field.octree().innerCount()) + " inner nodes");
-  }
-  if (field_.value_or(field.identity()) != field.identity())
-  {
-    throw Error(
-      "vertex cache: holds values of another field on the same octree, allowed is one field for each");
-  }
-  field_ = field.identity();
 }
 
 void BlockCache::prepareMeans()

@@ -12,7 +12,6 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace treeamr
@@ -43,8 +42,8 @@ class BlockCache
   };
 
 public:
-  /// For the inner nodes of one field's octree. A budget too small for the table of nodes keeps nothing.
-  BlockCache(const Octree& octree, std::size_t budgetBytes);
+  /// For one field. A budget too small for the table of its inner nodes keeps nothing.
+  BlockCache(const Field& field, std::size_t budgetBytes);
 
   struct Found
   {
@@ -106,9 +105,6 @@ public:
     ChunkPool<Chunk>::Writer records_;
   };
 
-  /// Call before a frame, when no thread renders. The first field is the one whose values are kept. Throws Error for
-  /// another one, or one on another octree.
-  void startFrame(const Field& field);
   /// Call when no thread renders and blocks of means are going to be kept: they have a table of their own.
   void prepareMeans();
   /// Call when no thread renders, after a frame that found and computed so many blocks. When the budget was used
@@ -126,8 +122,6 @@ private:
   {
     return cells == BlockCells::Leaves ? slots_ : meanSlots_;
   }
-  Identity octree_;
-  std::optional<Identity> field_; // none before the first frame
   Slots slots_;
   Slots meanSlots_; // empty until they are prepared
   ChunkPool<Chunk> pool_;

@@ -297,14 +297,9 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax, const DataCu
 }
 
 void Isosurface::render(
-  const Camera& camera, SurfaceLayers layers, HitImage& image, std::size_t mostHits) const
+  const RayView& view, SurfaceLayers layers, HitImage& image, std::size_t mostHits) const
 {
-  this->render(camera, {}, layers, image, mostHits);
-}
-
-void Isosurface::render(const Camera& camera, const RayStops& stops, SurfaceLayers layers, HitImage& image,
-  std::size_t mostHits) const
-{
+  const auto& [camera, stops] = view;
   stops.check(camera, "isosurface");
   const std::size_t most = layers == SurfaceLayers::Nearest ? 1 : mostHits;
   const Bounds box = impl_->blocks.field().octree().grid().bounds();

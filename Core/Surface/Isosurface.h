@@ -3,8 +3,7 @@
 #pragma once
 
 #include "Field/Field.h"
-#include "Geometry/Camera.h"
-#include "Geometry/RayStops.h"
+#include "Geometry/RayView.h"
 #include "MemoryBudget.h"
 
 #include <array>
@@ -95,12 +94,9 @@ public:
   bool occluded(const Ray& ray, double tMin, double tMax) const;
   /// Whether there is any in what the cut leaves.
   bool occluded(const Ray& ray, double tMin, double tMax, const DataCut& cut) const;
-  /// Hits between the camera's near and far planes. Of all layers each pixel gets the nearest mostHits at
-  /// most.
-  void render(const Camera& camera, SurfaceLayers layers, HitImage& image,
-    std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
-  /// The same of what the stops leave.
-  void render(const Camera& camera, const RayStops& stops, SurfaceLayers layers, HitImage& image,
+  /// Hits between the camera's near and far planes, of what the stops leave. Of all layers each pixel gets the
+  /// nearest mostHits at most.
+  void render(const RayView& view, SurfaceLayers layers, HitImage& image,
     std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
 
   /// Its place.

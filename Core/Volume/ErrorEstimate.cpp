@@ -58,16 +58,13 @@ float expectedError(const Image& frame, const PixelGroup& group)
 
 } // namespace
 
-ErrorEstimator::ErrorEstimator(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, BlockCache& kept,
-  const Image& frame)
-  : field_(field)
-  , transferFunction_(transferFunction)
-  , camera_(camera)
-  , stops_(stops)
+ErrorEstimator::ErrorEstimator(
+  Volume& volume, const RayView& view, const VolumeSettings& settings, const Image& frame)
+  : volume_(volume)
+  , view_(view)
   , settings_(settings)
-  , kept_(kept)
 {
+  const Camera& camera = view.camera;
   if (frame.width != camera.width() || frame.height != camera.height())
   {
     throw Error("error estimate: a frame of " + std::to_string(frame.width) + " x " +
@@ -141,12 +138,12 @@ void ErrorEstimator::choose(const Image& frame)
   }
 }
 
-std::vector<float> ErrorEstimator::render(double samplesPerCell) const
+std::vector<float> ErrorEstimator::render(double samplesPerCell)
 {
   std::vector<float> rgba(groups_.size() * PixelGroup::rgbaSize);
   VolumeSettings settings = settings_;
   settings.samplesPerCell = samplesPerCell;
-  renderPixelGroups(field_, transferFunction_, camera_, stops_, settings, kept_, groups_, rgba);
+  volume_.renderGroups(view_, settings, groups_, rgba);
   return rgba;
 }
 

@@ -8,7 +8,7 @@
 // transfer function, with pre-integration and between levels, and so does not make a good correction (Richardson).
 #pragma once
 
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include <algorithm>
 #include <vector>
@@ -24,10 +24,9 @@ namespace treeamr
 class ErrorEstimator
 {
 public:
-  /// The frame is one that renderVolume() has filled, the other arguments are those it was given: all but the frame
-  /// must outlive this. The same result on any number of threads. Throws Error as renderVolume().
-  ErrorEstimator(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const RayStops& stops, const VolumeSettings& settings, BlockCache& kept, const Image& frame);
+  /// The frame is one that the volume has rendered, the other arguments are those it was given: volume, camera and
+  /// stops must outlive this. The same result on any number of threads. Throws Error as Volume::render().
+  ErrorEstimator(Volume& volume, const RayView& view, const VolumeSettings& settings, const Image& frame);
 
   /// Of the frame.
   double error() const noexcept { return error_; }
@@ -37,16 +36,13 @@ public:
 
 private:
   void choose(const Image& frame);
-  std::vector<float> render(double samplesPerCell) const;
+  std::vector<float> render(double samplesPerCell);
   void refine(double samplesPerCell);
   double errorOf(const std::vector<float>& rgba) const noexcept;
 
-  const Field& field_;
-  const TransferFunction& transferFunction_;
-  const Camera& camera_;
-  const RayStops& stops_;
+  Volume& volume_;
+  RayView view_;
   VolumeSettings settings_;
-  BlockCache& kept_;
   std::vector<PixelGroup> groups_;
   std::vector<double> weights_;  // by group: of its squared errors in those of the image
   std::vector<float> converged_; // by group, as renderPixelGroups() gives it

@@ -2,12 +2,12 @@
 // tested against, and what renders fields, domains and zooms beyond single precision's comfort.
 #pragma once
 
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 namespace treeamr
 {
 
-/// Like renderVolume(), for arguments that it has checked.
+/// Like Volume::render(), for arguments that it has checked.
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image);
 

@@ -69,8 +69,7 @@ void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::CastRays(
-  const treeamr::Camera& camera, const treeamr::RayStops& stops, bool isPart, treeamr::Image& image)
+void vtkTreeAMRVolumeMapper::CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image)
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
@@ -80,8 +79,7 @@ void vtkTreeAMRVolumeMapper::CastRays(
   settings.levelOfDetailPixels = frame.LevelOfDetail;
   const auto render = [&] {
     const treeamr::Stopwatch stopwatch(frame.RayCastingSeconds);
-    frame.Counts += treeamr::renderVolume(
-      *internals.Field, *internals.TransferFunction, camera, stops, settings, *internals.Kept, image);
+    frame.Counts += internals.Volume->render(view, settings, image);
   };
   render();
   if (frame.SquaredError < 0.)
@@ -92,8 +90,7 @@ void vtkTreeAMRVolumeMapper::CastRays(
   treeamr::ErrorTarget target(settings.samplesPerCell);
   const auto estimate = [&] {
     const treeamr::Stopwatch stopwatch(frame.ErrorSeconds);
-    treeamr::ErrorEstimator estimator(
-      *internals.Field, *internals.TransferFunction, camera, stops, settings, *internals.Kept, image);
+    treeamr::ErrorEstimator estimator(*internals.Volume, view, settings, image);
     squaredError = std::pow(estimator.error(), 2);
     return this->TargetError > 0. && target.update(estimator, this->TargetError);
   };
@@ -118,8 +115,7 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
   {
     this->CheckSettings();
     this->UpdateField(volume);
-    this->UpdateVertexCache();
-    this->UpdateTransferFunction(volume);
+    this->UpdateVolume(volume);
     this->UpdateIsosurfaces(renderer, volume);
     return true;
   }
@@ -205,7 +201,7 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     try
     {
-      this->CastRays(camera, stops, picture.IsPeeling && !picture.IsWhole, image);
+      this->CastRays({ camera, stops }, picture.IsPeeling && !picture.IsWhole, image);
       return;
     }
     catch (const std::exception& error)

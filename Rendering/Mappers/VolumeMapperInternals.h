@@ -11,10 +11,8 @@
 #include "vtkTreeAMRTarget.h"
 #include "vtkTreeAMRVolumeMapper.h"
 
-#include "Field/TransferFunction.h"
 #include "Geometry/RayStops.h"
-#include "Interpolation/BlockCache.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include "vtkNew.h"
 #include "vtkTable.h"
@@ -93,10 +91,8 @@ struct vtkTreeAMRVolumeMapper::Internals
   std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
   vtkTimeStamp FieldTime;
   double FieldSeconds = 0.;
-  std::unique_ptr<treeamr::BlockCache> Kept; // of this field, of this size in MiB
-  int KeptSize = 0;
-  // Of this property at this time, for this field. Without a property: transparent.
-  std::optional<treeamr::TransferFunction> TransferFunction;
+  // Of this field, with the functions of this property at this time; without a property transparent.
+  std::optional<treeamr::Volume> Volume;
   vtkVolumeProperty* Property = nullptr; // not dereferenced
   vtkMTimeType PropertyTime = 0;
   vtkTimeStamp TransferFunctionTime;

@@ -174,7 +174,7 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   table->Initialize();
   addColumn(table, "Cells", field ? field->octree().leafCount() : 0);
   addColumn(table, "OctreeBytes", field ? field->byteSize() + field->octree().byteSize() : 0);
-  addColumn(table, "KeptBytes", internals.Kept ? internals.Kept->byteSize() : 0);
+  addColumn(table, "KeptBytes", internals.Volume ? internals.Volume->keptBytes() : 0);
   addColumn(table, "Rays", frame.Counts.rays);
   addColumn(table, "Nodes", frame.Counts.nodes);
   addColumn(table, "KeptBlocks", frame.Counts.kept);
@@ -288,10 +288,9 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
   {
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
     internals.Field = field;
-    internals.Kept.reset();
+    internals.Volume.reset();
     internals.SamplesPerCell.clear();
     internals.FieldTime.Modified();
-    internals.TransferFunction.reset();
   }
 }
 
@@ -302,39 +301,31 @@ bool vtkTreeAMRVolumeMapper::ShowsVolume() const
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::UpdateVertexCache()
-{
-  Internals& internals = *this->Private;
-  const int size = this->ShowsVolume() && !internals.Categories ? this->VertexCacheSize : 0;
-  if (!internals.Kept || internals.KeptSize != size)
-  {
-    internals.Kept.reset(); // before the new one is allocated
-    internals.Kept =
-      std::make_unique<treeamr::BlockCache>(internals.Field->octree(), static_cast<std::size_t>(size) << 20);
-    internals.KeptSize = size;
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::UpdateTransferFunction(vtkVolume* volume)
+void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
 {
   Internals& internals = *this->Private;
   vtkVolumeProperty* property = this->ShowsVolume() ? volume->GetProperty() : nullptr;
-  if (!internals.TransferFunction || internals.Property != property ||
+  const int size = this->ShowsVolume() && !internals.Categories ? this->VertexCacheSize : 0;
+  const std::size_t bytes = static_cast<std::size_t>(size) << 20;
+  if (!internals.Volume || internals.Property != property ||
     internals.PropertyTime != (property ? property->GetMTime() : 0))
   {
-    internals.TransferFunction.reset();
+    internals.Property = nullptr; // until it is converted
+    internals.PropertyTime = 0;
     internals.SampleDistances.clear();
     internals.TransferFunctionSeconds = 0.;
     const treeamr::Stopwatch stopwatch(internals.TransferFunctionSeconds);
-    internals.TransferFunction = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
+    treeamr::TransferFunction function = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
       : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
                              : treeamr::convertTransferFunction(property, internals.Field->range());
+    internals.Volume ? internals.Volume->setTransferFunction(std::move(function))
+                     : void(internals.Volume.emplace(internals.Field, std::move(function), bytes));
     internals.Property = property;
     // Asking for functions that were never set has made them.
     internals.PropertyTime = property ? property->GetMTime() : 0;
     internals.TransferFunctionTime.Modified();
   }
+  internals.Volume->setKeptBytes(bytes);
 }
 
 //------------------------------------------------------------------------------

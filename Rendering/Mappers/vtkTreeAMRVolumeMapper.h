@@ -47,10 +47,9 @@ struct vtkTreeAMRRaySegments;
 namespace treeamr
 {
 struct ArraySelection;
-class Camera;
 struct DraftSettings;
 struct Image;
-struct RayStops;
+struct RayView;
 } // namespace treeamr
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRVolumeMapper : public vtkVolumeMapper
@@ -259,16 +258,14 @@ private:
   bool ShowsVolume() const;
   treeamr::ArraySelection SelectArray();
   void UpdateField(vtkVolume* volume);
-  void UpdateVertexCache();
-  void UpdateTransferFunction(vtkVolume* volume);
+  void UpdateVolume(vtkVolume* volume);
   void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);
   /// False: it failed, and has been reported.
   bool PrepareVolume(vtkRenderer* renderer, vtkVolume* volume);
   treeamr::DraftSettings GetDraftSettings() const;
   void StartFrame(const Picture& picture);
   void TraceSurfaces(Picture& picture);
-  void CastRays(
-    const treeamr::Camera& camera, const treeamr::RayStops& stops, bool isPart, treeamr::Image& image);
+  void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);
   void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image);
   vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
   void DrawPeeled(Picture& picture);

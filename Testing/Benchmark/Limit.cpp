@@ -16,23 +16,23 @@ struct Run
   double litSteps;
 };
 
-Run run(
-  const Field& field, const TransferFunction& transferFunction, const Camera& camera, double samplesPerCell)
+Run run(const std::shared_ptr<const Field>& field, const TransferFunction& transferFunction,
+  const Camera& camera, double samplesPerCell)
 {
   Image image(camera.width(), camera.height());
   VolumeSettings settings;
   settings.samplesPerCell = samplesPerCell;
   VolumeStatistics statistics;
-  const Cost seconds =
-    best([&] { statistics = renderWithoutWalk(field, transferFunction, camera, settings, 4, image); });
+  Volume volume(field, transferFunction, 0);
+  const Cost seconds = best([&] { statistics = volume.renderWithoutWalk(camera, settings, 4, image); });
   return { seconds.cpu, static_cast<double>(statistics.intervals), static_cast<double>(statistics.steps),
     static_cast<double>(statistics.litSteps) };
 }
 
 } // namespace
 
-double limitSeconds(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const VolumeStatistics& frame)
+double limitSeconds(const std::shared_ptr<const Field>& field, const TransferFunction& transferFunction,
+  const Camera& camera, const VolumeStatistics& frame)
 {
   const TransferFunction dark(0., 1., { { 0.f, 0.f, 0.f, 0.f }, { 0.f, 0.f, 0.f, 0.f } });
   // One step per interval, and several; the same with light.

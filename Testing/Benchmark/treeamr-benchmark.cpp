@@ -18,7 +18,6 @@
 //
 // --only procedural-200M: about 200M cells that are on no disk, whether they fit memory.
 #include "Error.h"
-#include "Interpolation/BlockCache.h"
 #include "IsosurfaceFigures.h"
 #include "Limit.h"
 #include "Meter.h"
@@ -26,8 +25,8 @@
 #include "ReferenceImage.h"
 #include "Report.h"
 #include "Scene.h"
+#include "Volume/Volume.h"
 #include "Volume/VolumeReference.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <oneapi/tbb/global_control.h>
 
@@ -170,14 +169,10 @@ Measurement measureVolume(const Options& options, const Scene& scene)
 
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
-  std::unique_ptr<BlockCache> kept;
-  const auto forget = [&] {
-    kept = std::make_unique<BlockCache>(field->octree(), VolumeSettings::defaultKeptBytes);
-  };
+  std::optional<Volume> volume;
+  const auto forget = [&, &field = field] { volume.emplace(field, scene.transferFunction); };
   VolumeStatistics statistics;
-  const auto frame = [&] {
-    statistics = renderVolume(*field, scene.transferFunction, camera, {}, options.settings, *kept, image);
-  };
+  const auto frame = [&] { statistics = volume->render(camera, options.settings, image); };
   const auto measureFrame = [&](const char* step, const auto& prepare) {
     takePeakResidentBytes();
     const Cost cost = best(prepare, frame);
@@ -205,11 +200,11 @@ Measurement measureVolume(const Options& options, const Scene& scene)
       { "cpu_s_frame_cold", cold.cpu, "cold CPU-s", 3 },
       { "wall_s_frame_cold", cold.wall, "cold wall", 3 },
       { "cpu_s_frame_scalar", scalar.cpu, "scalar", 2 },
-      { "limit_ratio", limitSeconds(*field, scene.transferFunction, camera, statistics) / warm.cpu,
+      { "limit_ratio", limitSeconds(field, scene.transferFunction, camera, statistics) / warm.cpu,
         "limit/CPU", 2 },
       { "psnr_db", psnr(image, reference), "dB", 2 },
       { "thread_speedup", single.wall / warm.wall, "1 thr/all", 2 },
-      { "kept_bytes", static_cast<double>(kept->byteSize()), "kept MiB", 0, 1. / 1048576. },
+      { "kept_bytes", static_cast<double>(volume->keptBytes()), "kept MiB", 0, 1. / 1048576. },
     });
   return { std::move(figures), std::move(system), std::move(image),
     static_cast<double>(field->leafValues().size()), warm.cpu };
@@ -225,11 +220,8 @@ void runHuge(const Options& options)
   const auto count = static_cast<double>(field->octree().leafCount());
   const Camera camera = makeCamera();
   Image image(camera.width(), camera.height());
-  const TransferFunction transferFunction = makeScenes().back().transferFunction;
-  BlockCache kept(field->octree(), VolumeSettings::defaultKeptBytes);
-  const auto frame = [&] {
-    renderVolume(*field, transferFunction, camera, {}, options.settings, kept, image);
-  };
+  Volume volume(field, makeScenes().back().transferFunction);
+  const auto frame = [&] { volume.render(camera, options.settings, image); };
   const Cost cold = measure(frame);
   const Cost warm = best(frame);
   Report("volume").add({ "procedural-200M",

@@ -11,11 +11,10 @@
 // Comparing prints the largest difference of a number by frame; it fails where that is more than the tolerance, 0
 // unless given: then numbers must be equal to the bit.
 #include "Error.h"
-#include "Interpolation/BlockCache.h"
 #include "Scene.h"
 #include "Support/Cameras.h"
 #include "Surface/Isosurface.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +79,7 @@ public:
   explicit Frames(const Scene& scene, std::shared_ptr<const Field> field)
     : scene_(scene)
     , field_(std::move(field))
-    , kept_(field_->octree(), VolumeSettings::defaultKeptBytes)
+    , volume_(field_, scene.transferFunction)
   {
   }
 
@@ -107,7 +106,7 @@ private:
     VolumeSettings settings;
     settings.levelOfDetailPixels = means;
     Image image(camera.width(), camera.height());
-    renderVolume(*field_, scene_.transferFunction, camera, stops, settings, kept_, image);
+    volume_.render({ camera, stops }, settings, image);
     return numbers(image);
   }
 
@@ -159,7 +158,7 @@ private:
 
   const Scene& scene_;
   std::shared_ptr<const Field> field_;
-  BlockCache kept_;
+  Volume volume_;
   std::unique_ptr<Isosurface> isosurface_;
 };
 

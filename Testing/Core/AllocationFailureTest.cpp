@@ -3,12 +3,11 @@
 // order, and on all.
 #include "Contour/Contour.h"
 #include "Error.h"
-#include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 #include "Surface/SecondaryRays.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include <dlfcn.h>
 #include <embree3/rtcore.h>
@@ -389,20 +388,20 @@ TEST_F(AllocationFailureTest, volume)
   }
   RayStops surfaces;
   surfaces.hits = { hits.first, translucent };
-  const auto draw = [&](BlockCache& kept, double levelOfDetail) {
+  const auto draw = [&](Volume& volume, double levelOfDetail) {
     VolumeSettings settings;
     settings.levelOfDetailPixels = levelOfDetail;
     Image image(camera_.width(), camera_.height());
-    renderVolume(*field_, colors, camera_, surfaces, settings, kept, image);
+    volume.render({ camera_, surfaces }, settings, image);
     return Result(image.rgba.begin(), image.rgba.end());
   };
   expectRecovery([&] {
-    BlockCache kept(field_->octree(), VolumeSettings::defaultKeptBytes);
-    return draw(kept, 0.);
+    Volume volume(field_, colors);
+    return draw(volume, 0.);
   });
-  // A cache from frame to frame, as a mapper has it.
-  BlockCache kept(field_->octree(), VolumeSettings::defaultKeptBytes);
-  expectRecovery([&] { return draw(kept, 4.); });
+  // One from frame to frame, as a mapper has it.
+  Volume volume(field_, colors);
+  expectRecovery([&] { return draw(volume, 4.); });
 }
 
 } // namespace treeamr::test

@@ -1,14 +1,13 @@
 // Arguments that do not belong together, or to nothing: each throws Error before anything is allocated for it or read.
 #include "Contour/Contour.h"
 #include "Error.h"
-#include "Interpolation/BlockCache.h"
 #include "Interpolation/Sampler.h"
 #include "Support/AllocationCounter.h"
 #include "Support/Cameras.h"
 #include "Support/ExactScene.h"
 #include "Surface/OcclusionFilter.h"
 #include "Surface/SecondaryRays.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include <gtest/gtest.h>
 
@@ -71,35 +70,11 @@ TEST(Arguments, NullPointersAreRefused)
   EXPECT_THROW(Field(nullptr, {}), Error);
   EXPECT_THROW(Field(nullptr, { 1.f }), Error);
   EXPECT_THROW(Isosurface(nullptr, { 0.5 }), Error);
+  EXPECT_THROW(Volume(nullptr, fog), Error);
   for (const auto method : { InterpolationMethod::Nearest, InterpolationMethod::GTI })
   {
     EXPECT_THROW(Sampler::create(method, nullptr), Error);
   }
-}
-
-TEST(Arguments, ACacheServesOneField)
-{
-  const auto octree = randomOctree(1);
-  const auto field = wavesIn(octree, 0.f);
-  const Camera camera = smallCamera();
-  Image image(16, 16);
-  BlockCache kept(*octree, VolumeSettings::defaultKeptBytes);
-  renderVolume(*field, fog, camera, {}, {}, kept, image);
-  const std::vector<float> right(image.rgba.begin(), image.rgba.end());
-  const Field copy(*field);
-  renderVolume(copy, fog, camera, {}, {}, kept, image); // the same values
-
-  const PixelGroup group{ 8, 8 };
-  std::vector<float> rgba(PixelGroup::rgbaSize);
-  for (const auto& other : { wavesIn(octree, 1.f), wavesIn(randomOctree(2), 0.f) })
-  {
-    EXPECT_THROW(renderVolume(*other, fog, camera, {}, {}, kept, image), Error);
-    EXPECT_THROW(renderPixelGroups(*other, fog, camera, {}, {}, kept, { &group, 1 }, rgba), Error);
-  }
-  BlockCache unused(*randomOctree(2), VolumeSettings::defaultKeptBytes);
-  EXPECT_THROW(renderVolume(*field, fog, camera, {}, {}, unused, image), Error);
-  renderVolume(*field, fog, camera, {}, {}, kept, image);
-  EXPECT_TRUE(std::equal(right.begin(), right.end(), image.rgba.begin()));
 }
 
 TEST(Arguments, AMeshIsInterpolatedOnItsOwnOctree)

@@ -1,15 +1,14 @@
 // Volumes of categories: each ray against the boxes of all leaves, composited exactly.
 #include "Error.h"
-#include "Interpolation/BlockCache.h"
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 #include "Volume/ErrorEstimate.h"
 #include "Volume/VolumeReference.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 
@@ -264,10 +263,10 @@ TEST(Categories, SettingsOfTheReconstructionChangeNoBit)
   const TransferFunction transferFunction = TransferFunction::ofCategories(entries(9, 3.f));
   for (const Camera& camera : cameras())
   {
-    BlockCache kept(field->octree(), VolumeSettings::defaultKeptBytes);
-    const std::size_t before = kept.byteSize();
+    Volume volume(field, transferFunction);
+    const std::size_t before = volume.keptBytes();
     Image image(width, height);
-    const VolumeStatistics skipped = renderVolume(*field, transferFunction, camera, {}, {}, kept, image);
+    const VolumeStatistics skipped = volume.render(camera, {}, image);
     VolumeSettings all;
     all.skipEmpty = false;
     VolumeSettings detail;
@@ -277,17 +276,14 @@ TEST(Categories, SettingsOfTheReconstructionChangeNoBit)
     for (const VolumeSettings& settings : { all, detail, samples })
     {
       Image again(width, height);
-      const VolumeStatistics statistics =
-        renderVolume(*field, transferFunction, camera, {}, settings, kept, again);
+      const VolumeStatistics statistics = volume.render(camera, settings, again);
       EXPECT_EQ(again.rgba, image.rgba);
       EXPECT_GE(statistics.samples, skipped.samples);
       EXPECT_EQ(statistics.blocks + statistics.kept, 0u);
     }
-    EXPECT_EQ(kept.byteSize(), before);
+    EXPECT_EQ(volume.keptBytes(), before);
     // Nothing is sampled, so nothing is missed.
-    const RayStops whole;
-    const VolumeSettings settings;
-    ErrorEstimator estimator(*field, transferFunction, camera, whole, settings, kept, image);
+    ErrorEstimator estimator(volume, camera, {}, image);
     EXPECT_EQ(estimator.error(), 0.);
     EXPECT_EQ(estimator.findSamplesPerCell(1e-3, ErrorTarget::least, ErrorTarget::most), ErrorTarget::least);
   }

@@ -2,9 +2,9 @@
 #include "Volume/ErrorEstimate.h"
 
 #include "Error.h"
-#include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Volume/VolumeReference.h"
@@ -83,18 +83,15 @@ struct Frame
   Camera camera;
   VolumeSettings settings;
   RayStops stops{};
-  BlockCache kept{ field.octree(), VolumeSettings::defaultKeptBytes };
+  Volume volume = volumeOf(field, transferFunction);
 
   Image render()
   {
     Image image(width, height);
-    renderVolume(field, transferFunction, camera, stops, settings, kept, image);
+    volume.render({ camera, stops }, settings, image);
     return image;
   }
-  ErrorEstimator estimator(const Image& image)
-  {
-    return { field, transferFunction, camera, stops, settings, kept, image };
-  }
+  ErrorEstimator estimator(const Image& image) { return { volume, { camera, stops }, settings, image }; }
   Image converged() const
   {
     Image image(width, height);
@@ -221,7 +218,7 @@ TEST(ErrorEstimate, IsZeroWhereNothingIsDrawn)
   auto estimator = frame.estimator(frame.render());
   EXPECT_EQ(estimator.error(), 0.);
   EXPECT_EQ(estimator.findSamplesPerCell(1e-3, 0.25, 64.), 0.25);
-  EXPECT_EQ(frame.kept.byteSize(), BlockCache(field->octree(), VolumeSettings::defaultKeptBytes).byteSize());
+  EXPECT_EQ(frame.volume.keptBytes(), Volume(field, nothing).keptBytes());
 }
 
 TEST(ErrorEstimate, AFrameOfAnotherSizeIsAnError)
@@ -240,16 +237,15 @@ TEST(ErrorEstimate, OnePixelIsEstimated)
   const TransferFunction haze = transferFunctions()[0];
   const Camera camera(
     multiply(perspective(5., 0.1, 20.), lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, 1, 1);
-  BlockCache kept(field->octree(), 0);
+  Volume volume(field, haze, 0);
   Image image(1, 1);
-  const RayStops stops;
-  VolumeSettings settings;
-  renderVolume(*field, haze, camera, stops, settings, kept, image);
+  const VolumeSettings settings;
+  volume.render(camera, settings, image);
   Image finer(1, 1);
   VolumeSettings more;
   more.samplesPerCell = 8.;
-  renderVolume(*field, haze, camera, stops, more, kept, finer);
-  const ErrorEstimator estimator(*field, haze, camera, stops, settings, kept, image);
+  volume.render(camera, more, finer);
+  const ErrorEstimator estimator(volume, camera, settings, image);
   EXPECT_GT(estimator.error(), 0.);
   EXPECT_NEAR(estimator.error(), rmse(image, finer), 1e-12);
 }

@@ -615,8 +615,8 @@ TEST(Isosurface, FramesOfACutAreTheHitsThatItLeaves)
   {
     HitImage nearest;
     HitImage all;
-    surface.render(camera, stops, SurfaceLayers::Nearest, nearest);
-    surface.render(camera, stops, SurfaceLayers::All, all);
+    surface.render({ camera, stops }, SurfaceLayers::Nearest, nearest);
+    surface.render({ camera, stops }, SurfaceLayers::All, all);
     std::size_t left = 0;
     std::size_t several = 0;
     for (int pixel = 0; pixel < 75 * 61; ++pixel)

@@ -4,8 +4,8 @@
 #include "Support/Fields.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
+#include "Support/OneFrame.h"
 #include "Surface/Shading.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include "Support/Measured.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
+#include "Support/OneFrame.h"
 #include "Volume/VolumeReference.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 

@@ -5,11 +5,11 @@
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/ListSource.h"
+#include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 #include "Volume/VolumeReference.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <gtest/gtest.h>
 
@@ -299,9 +299,8 @@ void expectGroupsOf(const Image& image, const Field& field, const TransferFuncti
       }
     }
   }
-  BlockCache none(field.octree(), 0);
   std::vector<float> rgba(groups.size() * PixelGroup::rgbaSize, -1.f);
-  renderPixelGroups(field, transferFunction, camera, stops, settings, none, groups, rgba);
+  volumeOf(field, transferFunction, 0).renderGroups({ camera, stops }, settings, groups, rgba);
   int beyond = 0;
   for (std::size_t i = 0; i < rgba.size(); ++i)
   {
@@ -397,10 +396,10 @@ TEST(VolumeKernel, GroupsOutsideTheImageAreAnError)
 {
   const auto field = randomField({ 12, { 2, 2, 2 }, 2, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
-  BlockCache none(field->octree(), 0);
+  Volume volume(field, smooth(), 0);
   const auto render = [&](const PixelGroup& group, std::size_t floats) {
     std::vector<float> rgba(floats);
-    renderPixelGroups(*field, smooth(), camera, {}, {}, none, { &group, 1 }, rgba);
+    volume.renderGroups(camera, {}, { &group, 1 }, rgba);
   };
   EXPECT_NO_THROW(render({ 60, 52 }, 64));
   EXPECT_THROW(render({ 60, 52 }, 63), Error);
@@ -415,14 +414,14 @@ TEST(VolumeKernel, KeptValuesNeverChangeABit)
   const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
   const Octree& octree = field->octree();
-  BlockCache none(octree, 0);
-  BlockCache one(octree, smallestBudget(octree));
-  BlockCache all(octree, VolumeSettings::defaultKeptBytes);
+  Volume none(field, smooth(), 0);
+  Volume one(field, smooth(), smallestBudget(octree));
+  Volume all(field, smooth());
   Image images[]{ { width, height }, { width, height }, { width, height }, { width, height } };
-  const auto computed = renderVolume(*field, smooth(), camera, {}, {}, none, images[0]).blocks;
-  renderVolume(*field, smooth(), camera, {}, {}, one, images[1]);
-  const auto first = renderVolume(*field, smooth(), camera, {}, {}, all, images[2]).blocks;
-  const auto second = renderVolume(*field, smooth(), camera, {}, {}, all, images[3]);
+  const auto computed = none.render(camera, {}, images[0]).blocks;
+  one.render(camera, {}, images[1]);
+  const auto first = all.render(camera, {}, images[2]).blocks;
+  const auto second = all.render(camera, {}, images[3]);
   for (const Image& image : images)
   {
     EXPECT_EQ(image.rgba, images[0].rgba);
@@ -432,9 +431,9 @@ TEST(VolumeKernel, KeptValuesNeverChangeABit)
   EXPECT_EQ(second.blocks, 0u);
   EXPECT_EQ(second.cells, 0u);
   EXPECT_GT(second.kept, 100u);
-  EXPECT_EQ(none.byteSize(), 0u);
-  EXPECT_LE(one.byteSize(), smallestBudget(octree) + 1024);
-  EXPECT_GE(all.byteSize(), first * BlockCache::blockBytes);
+  EXPECT_EQ(none.keptBytes(), 0u);
+  EXPECT_LE(one.keptBytes(), smallestBudget(octree) + 1024);
+  EXPECT_GE(all.keptBytes(), first * BlockCache::blockBytes);
 }
 
 TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
@@ -442,8 +441,8 @@ TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
   const auto field = randomField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
   const Octree& octree = field->octree();
   ASSERT_GT(octree.innerCount(), 400u);
-  BlockCache kept(octree, smallestBudget(octree));
-  const std::size_t before = kept.byteSize();
+  Volume volume(field, smooth(), smallestBudget(octree));
+  const std::size_t before = volume.keptBytes();
   // Each view twice: what was kept for one gives way to the next.
   for (const View& view : views())
   {
@@ -452,10 +451,10 @@ TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
       const Camera camera(view.clip, identityMatrix, width, height);
       Image image(width, height);
       Image expected(width, height);
-      renderVolume(*field, smooth(), camera, {}, {}, kept, image);
+      volume.render(camera, {}, image);
       renderVolume(*field, smooth(), camera, {}, {}, expected);
       EXPECT_EQ(image.rgba, expected.rgba) << view.name;
-      EXPECT_LE(kept.byteSize(), before + 256 * BlockCache::blockBytes);
+      EXPECT_LE(volume.keptBytes(), before + 256 * BlockCache::blockBytes);
     }
   }
 }

@@ -13,7 +13,7 @@
 #include "PlaneSurface.h"
 
 #include "Surface/SecondaryRays.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include "HyperTreeGridConverter.h"
 

@@ -1,6 +1,5 @@
 #include "EstimateError.h"
 
-#include "Interpolation/BlockCache.h"
 #include "Meter.h"
 #include "ReferenceImage.h"
 #include "Scene.h"
@@ -66,7 +65,7 @@ public:
   {
     bench::Forest forest = bench::readForest(options.folder + "/" + scene.name + ".p8est");
     field_ = bench::buildField(forest.roots, std::move(forest.cells));
-    kept_ = std::make_unique<BlockCache>(field_->octree(), VolumeSettings::defaultKeptBytes);
+    volume_ = std::make_unique<Volume>(field_, scene.transferFunction);
     std::mt19937 random(5);
     const int count = options.brief ? 4 : 20;
     const int pixels = options.brief ? 200 : 256;
@@ -153,13 +152,13 @@ private:
   Image render(const Camera& camera, const VolumeSettings& settings)
   {
     Image image(camera.width(), camera.height());
-    renderVolume(*field_, scene_.transferFunction, camera, stops_, settings, *kept_, image);
+    volume_->render(camera, settings, image);
     return image;
   }
 
   ErrorEstimator estimator(const Camera& camera, const VolumeSettings& settings, const Image& frame)
   {
-    return { *field_, scene_.transferFunction, camera, stops_, settings, *kept_, frame };
+    return { *volume_, camera, settings, frame };
   }
 
   void add(double target, double samplesPerCell, double truth, double estimated, double worst, double good,
@@ -179,9 +178,8 @@ private:
   bench::Report& report_;
   const bench::Scene& scene_;
   const Camera large_;
-  const RayStops stops_;
   std::shared_ptr<Field> field_;
-  std::unique_ptr<BlockCache> kept_;
+  std::unique_ptr<Volume> volume_;
   std::vector<View> views_;
   double floor_; // median true error with the most samples: no estimate sees it
 };

@@ -1,13 +1,12 @@
 #include "VolumeError.h"
 
 #include "Geometry/RayBox.h"
-#include "Interpolation/BlockCache.h"
 #include "Interpolation/Sampler.h"
 #include "Meter.h"
 #include "Picture.h"
 #include "ReferenceImage.h"
 #include "Scene.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -119,7 +118,7 @@ struct Setting
   bool preIntegration = true;
   double levelOfDetailPixels = 0.;
   double imageSampleDistance = 1.; // pixels between rays
-  std::size_t keptBytes = VolumeSettings::defaultKeptBytes;
+  std::size_t keptBytes = defaultKeptBytes;
 
   auto operator<=>(const Setting&) const = default;
 };
@@ -165,18 +164,13 @@ private:
     const Camera camera =
       bench::makeCamera(static_cast<int>(std::ceil(pixels / setting.imageSampleDistance)));
     Image image(camera.width(), camera.height());
-    std::unique_ptr<BlockCache> kept;
+    std::optional<Volume> volume;
     Frame frame{};
-    const auto forget = [&] {
-      kept = std::make_unique<BlockCache>(data_.field->octree(), setting.keptBytes);
-    };
-    const auto render = [&] {
-      frame.statistics =
-        renderVolume(*data_.field, data_.transferFunction, camera, {}, settings, *kept, image);
-    };
+    const auto forget = [&] { volume.emplace(data_.field, data_.transferFunction, setting.keptBytes); };
+    const auto render = [&] { frame.statistics = volume->render(camera, settings, image); };
     frame.coldSeconds = bench::best(forget, render, 3, 3);
     frame.seconds = bench::best(render);
-    frame.keptBytes = kept->byteSize();
+    frame.keptBytes = volume->keptBytes();
     return figuresOf(frame, magnify(image, pixels, pixels), converged_);
   }
 

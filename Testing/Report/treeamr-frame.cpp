@@ -5,7 +5,7 @@
 // All three build the tree and its field; the last two render.
 #include "Scene.h"
 #include "Surface/Isosurface.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Volume.h"
 
 #include <oneapi/tbb/global_control.h>
 
@@ -29,7 +29,7 @@ void run(std::string_view what)
   if (what == "volume")
   {
     Image image(camera.width(), camera.height());
-    renderVolume(*field, scene.transferFunction, camera, {}, {}, image);
+    Volume(field, scene.transferFunction).render(camera, {}, image);
   }
   else if (what == "isosurface")
   {

@@ -4,10 +4,10 @@
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
+#include "Support/OneFrame.h"
 #include "Support/RandomTrees.h"
 #include "Support/Targets.h"
 #include "Surface/Isosurface.h"
-#include "Volume/VolumeRenderer.h"
 
 #include <algorithm>
 #include <cmath>

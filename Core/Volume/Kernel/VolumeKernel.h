@@ -2,7 +2,8 @@
 #pragma once
 
 #include "Interpolation/BlockCache.h"
-#include "Volume/VolumeRenderer.h"
+#include "Volume/Kernel/VolumeTable.h"
+#include "Volume/Volume.h"
 
 #include <algorithm>
 #include <span>
@@ -18,36 +19,21 @@ struct SceneFeatures
   bool categories = false;     // each leaf is one constant
 };
 
-/// The transfer function for the kernel, by entry, with extinctions per kernel unit. Of few entries it makes more,
-/// so that the nearest one stands for what lies between them.
-struct KernelTable
-{
-  double perEntry; // entries for one of the transfer function
-  float last;      // number of the last entry
-  /// For point samples: the nearest entry, its extinction in binary orders of magnitude.
-  std::vector<TransferFunction::Entry> entries;
-  /// Sums over the entries before each one of what changes from entry to entry: of the extinction or its product
-  /// with a colour, whichever changes most.
-  std::vector<double> variation;
-  /// The same for the changes of these changes.
-  std::vector<double> curvature;
-  /// For pre-integration: extinction times colour and extinction, in the order of Entry, and sums of these over the
-  /// entries before each one, in two floats each: the sums, and what rounding left of them.
-  struct Integral
-  {
-    float sum[4];
-    float rest[4];
-    float own[4];
-  };
-  std::vector<Integral> integrals;
-};
-
 /// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, both as
 /// a length on the central ray and in data coordinates, so that neither offsets nor units cost it digits.
 struct VolumeKernelScene
 {
+  /// Refers to all of these. The table's integrals are wanted when the features tell so.
+  VolumeKernelScene(const Field& field, const TransferFunction& transferFunction, const VolumeTable& table,
+    const RayView& view, const VolumeSettings& settings, BlockCache& kept, Image* image);
+
+  /// Whether single precision tells neighbouring rays from each other, and the two sides of the domain: not so in far
+  /// zooms that move the picture but not the eye, nor in domains as thin as a sheet.
+  bool resolves() const;
+
   const Field& field;
   const TransferFunction& transferFunction;
+  const VolumeTable& table;
   const Camera& camera;
   const RayStops& stops;
   const VolumeSettings& settings;
@@ -62,10 +48,13 @@ struct VolumeKernelScene
   double scale;      // kernel units per unit of world length
   double dataScale;  // and of data coordinates
   PixelFan fan;      // common origin only
-  KernelTable table;
   /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
   double pixelWidth;
   double pixelGrowth;
+
+private:
+  void place();
+  void measurePixels();
 };
 
 /// Of the optical depth along one width of a leaf, when its part of the table is only sampled at points: what
@@ -75,7 +64,8 @@ inline double pointSampleError(
   const VolumeKernelScene& scene, double variation, double curvature, double entries) noexcept
 {
   const double samples = std::max(1., scene.settings.samplesPerCell);
-  return std::min(variation, curvature * entries / 8.) / (samples * samples);
+  const double worldPerData = scene.dataScale / scene.scale;
+  return worldPerData * std::min(variation, curvature * entries / 8.) / (samples * samples);
 }
 /// Above it the samples' intervals are integrated.
 constexpr double pointSampleTolerance = 0.2;
@@ -88,9 +78,9 @@ struct VolumeLoops
 {
   /// Renders the tiles [columnBegin, columnEnd) of a row of tiles.
   VolumeStatistics (*renderTiles)(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd);
-  /// See renderPixelGroups().
+  /// See Volume::renderGroups().
   void (*renderGroups)(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba);
-  /// See renderWithoutWalk(). position: in the table.
+  /// See Volume::renderWithoutWalk(). position: in the table.
   VolumeStatistics (*repeatInCache)(
     const VolumeKernelScene& scene, int row, int columns, float position, int repeats);
 };

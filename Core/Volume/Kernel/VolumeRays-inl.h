@@ -213,7 +213,7 @@ public:
   HWY_ALIGN Real inverse_[3][tileRays] = {};
   HWY_ALIGN Real begin_[RayParts::most][tileRays] = {};
   HWY_ALIGN Real end_[RayParts::most][tileRays] = {};
-  HWY_ALIGN Real lengthPerT_[tileRays] = {}; // world length per t
+  HWY_ALIGN Real lengthPerT_[tileRays] = {}; // of the world, in diagonals of the domain in data coordinates
   HWY_ALIGN Real red_[tileRays];
   HWY_ALIGN Real green_[tileRays];
   HWY_ALIGN Real blue_[tileRays];
@@ -346,7 +346,7 @@ private:
         Reals<Real> w = hn::Zero(d);
         for (int a = 0; a < 3; ++a)
         {
-          w = mulAdd(hn::Set(d, static_cast<Real>(m[4 * r + a] / toKernel)), direction[a], w);
+          w = mulAdd(hn::Set(d, static_cast<Real>(m[4 * r + a])), direction[a], w);
         }
         squared = mulAdd(w, w, squared);
       }
@@ -369,7 +369,7 @@ private:
     const Bounds domain = scene_.field.octree().grid().bounds();
     begin_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, begin));
     end_[0][r] = tToKernel(scene_.camera.tFromDepth(ray, end));
-    lengthPerT_[r] = 1;
+    lengthPerT_[r] = static_cast<Real>(scene_.dataScale / scene_.scale);
     for (int a = 0; a < 3; ++a)
     {
       const auto slope = static_cast<Real>(ray.direction[a] * scene_.dataScale / scene_.scale);
@@ -394,7 +394,7 @@ private:
   Real hitT(int r, std::size_t hit) const noexcept
   {
     const double t = scene_.stops.hits->hits[hit].t;
-    return CommonOrigin ? static_cast<Real>(t * scene_.scale / lengthPerT_[r]) : tToKernel(t);
+    return CommonOrigin ? static_cast<Real>(t * scene_.dataScale / lengthPerT_[r]) : tToKernel(t);
   }
 
   /// For each of a node's children the groups of which a ray crosses it. OnePart: no ray of the tile has more.

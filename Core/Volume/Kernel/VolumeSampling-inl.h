@@ -334,7 +334,7 @@ struct Light
   Reals<Real> blue;
 };
 
-/// `Count` midpoint samples from step i on; how many of them were lit for any ray. entries: those of KernelTable.
+/// `Count` midpoint samples from step i on; how many of them were lit for any ray. entries: those of VolumeTable.
 template <int Count, class Real, class Values>
 HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, const Values& values,
   const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
@@ -381,12 +381,12 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
 /// Mean of extinction and extinction times colour over the table between two positions, at which entry i begins
 /// at i: it stands for what is nearest to it. last: number of the last entry.
 template <class Real>
-HWY_INLINE void integral(const KernelTable::Integral* integrals, Real last, Reals<Real> low, Reals<Real> high,
+HWY_INLINE void integral(const VolumeTable::Integral* integrals, Real last, Reals<Real> low, Reals<Real> high,
   Reals<Real> (&mean)[4])
 {
   const RealTag<Real> d;
   const IntTag<Real> di;
-  constexpr int row = sizeof(KernelTable::Integral) / sizeof(float);
+  constexpr int row = sizeof(VolumeTable::Integral) / sizeof(float);
   const Reals<Real> perEntry = hn::Div(hn::Set(d, Real(1)), hn::Sub(high, low));
   const Reals<Real> first = hn::Floor(low);
   const Reals<Real> end = hn::Min(hn::Floor(high), hn::Set(d, last));
@@ -407,7 +407,7 @@ HWY_INLINE void integral(const KernelTable::Integral* integrals, Real last, Real
 
 /// Steps by the transfer function's integrals.
 template <class Real, class Values>
-HWY_INLINE void takeIntegrals(const KernelTable& table, const Span<Real>& span, Real mostSamples,
+HWY_INLINE void takeIntegrals(const VolumeTable& table, const Span<Real>& span, Real mostSamples,
   const Values& values, const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
 {
   const RealTag<Real> d;

@@ -373,7 +373,7 @@ private:
       return false;
     }
     const TransferFunction& tf = scene_.transferFunction;
-    const KernelTable& table = scene_.table;
+    const VolumeTable& table = scene_.table;
     const double scale = tf.scale() * table.perEntry;
     const double first = tf.position(range.min) * table.perEntry;
     const double last = tf.position(range.max) * table.perEntry;

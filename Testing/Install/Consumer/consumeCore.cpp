@@ -45,12 +45,12 @@ treeamr::Camera lookingAlongZ()
     pictureSize, pictureSize);
 }
 
-std::vector<float> volumeOf(const treeamr::Field& field, const treeamr::Camera& camera)
+std::vector<float> volumeOf(const std::shared_ptr<const treeamr::Field>& field, const treeamr::Camera& camera)
 {
   const treeamr::TransferFunction orange(
     1. - radius, 1. - radius + 0.01, { { 1.f, 0.5f, 0.f, 0.f }, { 1.f, 0.5f, 0.f, 8.f } });
   treeamr::Image image(camera.width(), camera.height());
-  treeamr::renderVolume(field, orange, camera, {}, {}, image);
+  treeamr::Volume(field, orange).render(camera, {}, image);
   return { image.rgba.begin(), image.rgba.end() };
 }
 

@@ -1,0 +1,62 @@
+// A transfer function as the volume kernel reads it: by entry, whatever the camera. Of few entries it makes more, so
+// that the nearest one stands for what lies between them.
+//
+// Extinctions count per diagonal of the domain in data coordinates: the kernel's rays know how much of the world that
+// is.
+#pragma once
+
+#include "Field/Field.h"
+#include "Field/TransferFunction.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace treeamr
+{
+
+class VolumeTable
+{
+public:
+  /// worldMagnitude: the power of two of what a data coordinate is in the world. It says what is opaque, no more.
+  VolumeTable(const Field& field, const TransferFunction& transferFunction, int worldMagnitude);
+
+  int worldMagnitude() const noexcept { return worldMagnitude_; }
+
+  /// For pre-integration: extinction times colour and extinction, in the order of Entry, and sums of these over the
+  /// entries before each one, in two floats each: the sums, and what rounding left of them.
+  struct Integral
+  {
+    float sum[4];
+    float rest[4];
+    float own[4];
+  };
+  /// Makes the integrals, unless they are there. Not for categories.
+  void integrate(const TransferFunction& transferFunction);
+
+  /// Whether the kernel's single precision follows it: differences of values and their positions must not leave it.
+  bool fitsSinglePrecision;
+  double perEntry; // entries for one of the transfer function
+  float last;      // number of the last entry
+  /// For point samples: the nearest entry, its extinction in binary orders of magnitude.
+  std::vector<TransferFunction::Entry> entries;
+  /// Sums over the entries before each one of what changes from entry to entry: of the extinction or its product
+  /// with a colour, whichever changes most. None for categories, of which no leaf varies; as the others.
+  std::vector<double> variation;
+  /// The same for the changes of these changes.
+  std::vector<double> curvature;
+  std::vector<Integral> integrals; // once they are made
+
+private:
+  /// Extinction times colour and extinction of all entries.
+  std::vector<std::array<double, 4>> terms(const TransferFunction& transferFunction) const;
+
+  int worldMagnitude_;
+  double diagonal_;
+  double mostExtinction_; // in the terms
+};
+
+/// Width of a leaf of a level in diagonals of the domain; of the mean root where these differ.
+double relativeLeafWidth(const RootGrid& grid, int level);
+
+} // namespace treeamr

@@ -1,0 +1,239 @@
+#include "Volume/Volume.h"
+
+#include "Error.h"
+#include "Interpolation/BlockCache.h"
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/VolumeReference.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/blocked_range2d.h>
+#include <oneapi/tbb/combinable.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace treeamr
+{
+
+namespace
+{
+
+void check(const Camera& camera, const Image& image)
+{
+  if (image.width != camera.width() || image.height != camera.height())
+  {
+    throw Error("volume: an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+      " pixels for a camera of " + std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
+  }
+}
+
+void check(const Field& field, const TransferFunction& transferFunction)
+{
+  const Range values = field.range();
+  if (transferFunction.hasCategories() &&
+    !(values.min >= 0.f && values.max < static_cast<float>(transferFunction.entries().size())))
+  {
+    throw Error("volume: values from " + std::to_string(values.min) + " to " + std::to_string(values.max) +
+      " for " + std::to_string(transferFunction.entries().size()) +
+      " categories, allowed are their numbers from 0 on");
+  }
+}
+
+void check(const RayView& view, const VolumeSettings& settings)
+{
+  if (!(settings.samplesPerCell > 0.) || !(settings.samplesPerCell <= VolumeSettings::maxSamplesPerCell))
+  {
+    throw Error("volume: " + std::to_string(settings.samplesPerCell) +
+      " samples per cell, allowed are values above 0 up to " +
+      std::to_string(VolumeSettings::maxSamplesPerCell));
+  }
+  view.stops.check(view.camera, "volume");
+}
+
+void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<const float> rgba)
+{
+  if (rgba.size() != groups.size() * PixelGroup::rgbaSize)
+  {
+    throw Error("volume: " + std::to_string(rgba.size()) + " floats for " + std::to_string(groups.size()) +
+      " groups of pixels, needed are " + std::to_string(PixelGroup::rgbaSize) + " for each");
+  }
+  for (const auto& [x, y] : groups)
+  {
+    if (x < 0 || x >= camera.width() || x % PixelGroup::width != 0 || y < 0 || y >= camera.height() ||
+      y % PixelGroup::width != 0)
+    {
+      throw Error("volume: a group of pixels at " + std::to_string(x) + ", " + std::to_string(y) +
+        ", allowed are multiples of " + std::to_string(PixelGroup::width) + " in an image of " +
+        std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
+    }
+  }
+}
+
+/// Calls visit(x, y, rgba of the pixel) for a group's pixels that lie in the image.
+template <class Visit>
+void visitPixels(const PixelGroup& group, const Camera& camera, float* rgba, const Visit& visit)
+{
+  for (int i = 0; i < PixelGroup::width * PixelGroup::width; ++i, rgba += 4)
+  {
+    const int x = group.x + i % PixelGroup::width;
+    const int y = group.y + i / PixelGroup::width;
+    if (x < camera.width() && y < camera.height())
+    {
+      visit(x, y, rgba);
+    }
+  }
+}
+
+/// A whole image in which all other rays have no part.
+void renderGroupsByReference(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings,
+  std::span<const PixelGroup> groups, std::span<float> rgba)
+{
+  Image image(camera.width(), camera.height());
+  std::vector<float> begin(image.rgba.size() / 4, 1.f);
+  const auto visitAll = [&](const auto& visit) {
+    for (std::size_t g = 0; g < groups.size(); ++g)
+    {
+      visitPixels(groups[g], camera, rgba.data() + g * PixelGroup::rgbaSize,
+        [&](int x, int y, float* out) { visit(static_cast<std::size_t>(y) * image.width + x, out); });
+    }
+  };
+  visitAll(
+    [&](std::size_t pixel, float*) { begin[pixel] = stops.beginDepth ? stops.beginDepth[pixel] : 0.f; });
+  RayStops ofGroups = stops;
+  ofGroups.beginDepth = begin.data();
+  renderVolumeReference(field, transferFunction, camera, ofGroups, settings, image);
+  std::fill(rgba.begin(), rgba.end(), 0.f);
+  visitAll([&](std::size_t pixel, float* out) { std::copy_n(image.rgba.data() + 4 * pixel, 4, out); });
+}
+
+} // namespace
+
+Volume::Volume(std::shared_ptr<const Field> field, TransferFunction transferFunction, std::size_t keptBytes)
+  : field_(std::move(field))
+  , transferFunction_(std::move(transferFunction))
+  , budget_(keptBytes)
+{
+  if (!field_)
+  {
+    throw Error("volume: no field");
+  }
+  check(*field_, transferFunction_);
+  kept_ = std::make_unique<BlockCache>(*field_, budget_);
+}
+
+Volume::~Volume() = default;
+Volume::Volume(Volume&&) noexcept = default;
+Volume& Volume::operator=(Volume&&) noexcept = default;
+
+void Volume::setTransferFunction(TransferFunction transferFunction)
+{
+  check(*field_, transferFunction);
+  transferFunction_ = std::move(transferFunction);
+  table_ = nullptr;
+}
+
+void Volume::setKeptBytes(std::size_t bytes)
+{
+  if (bytes != budget_)
+  {
+    kept_ = nullptr; // before the new one is allocated
+    kept_ = std::make_unique<BlockCache>(*field_, bytes);
+    budget_ = bytes;
+  }
+}
+
+std::size_t Volume::keptBytes() const noexcept
+{
+  return kept_->byteSize();
+}
+
+VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& settings, Image* image)
+{
+  check(view, settings);
+  const Vec3 direction = view.camera.ray(view.camera.width() / 2, view.camera.height() / 2).direction;
+  const auto worldMagnitude = static_cast<int>(-std::lround(0.5 * std::log2(dot(direction, direction))));
+  if (!table_ || table_->worldMagnitude() != worldMagnitude)
+  {
+    table_ = std::make_unique<VolumeTable>(*field_, transferFunction_, worldMagnitude);
+  }
+  VolumeKernelScene scene(*field_, transferFunction_, *table_, view, settings, *kept_, image);
+  if (scene.features.preIntegration)
+  {
+    table_->integrate(transferFunction_);
+  }
+  if (settings.levelOfDetailPixels > 0. && !scene.features.categories)
+  {
+    kept_->prepareMeans();
+  }
+  return scene;
+}
+
+VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& settings, Image& image)
+{
+  check(view.camera, image);
+  const VolumeKernelScene scene = makeScene(view, settings, &image);
+  if (!table_->fitsSinglePrecision || !scene.resolves())
+  {
+    return renderVolumeReference(*field_, transferFunction_, view.camera, view.stops, settings, image);
+  }
+  const VolumeLoops loops = volumeLoops(scene.features);
+  tbb::combinable<VolumeStatistics> statistics;
+  const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
+  const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 4), [&](const auto& tiles) {
+    for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
+    {
+      statistics.local() += loops.renderTiles(scene, row, tiles.cols().begin(), tiles.cols().end());
+    }
+  });
+  const VolumeStatistics all =
+    statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+  kept_->endFrame(all.kept, all.blocks);
+  return all;
+}
+
+void Volume::renderGroups(const RayView& view, const VolumeSettings& settings,
+  std::span<const PixelGroup> groups, std::span<float> rgba)
+{
+  check(view.camera, groups, rgba);
+  const VolumeKernelScene scene = makeScene(view, settings, nullptr);
+  if (!table_->fitsSinglePrecision || !scene.resolves())
+  {
+    renderGroupsByReference(*field_, transferFunction_, view.camera, view.stops, settings, groups, rgba);
+    return;
+  }
+  const VolumeLoops loops = volumeLoops(scene.features);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 4), [&](const auto& part) {
+    loops.renderGroups(
+      scene, groups.subspan(part.begin(), part.size()), rgba.data() + part.begin() * PixelGroup::rgbaSize);
+  });
+}
+
+VolumeStatistics Volume::renderWithoutWalk(
+  const Camera& camera, const VolumeSettings& settings, int repeats, Image& image)
+{
+  check(camera, image);
+  const VolumeKernelScene scene = makeScene(camera, settings, &image);
+  std::size_t faintest = 0;
+  for (std::size_t i = 1; i < table_->entries.size(); ++i)
+  {
+    const float best = table_->entries[faintest].extinction;
+    const float e = table_->entries[i].extinction;
+    faintest = e > 0.f && (best == 0.f || e < best) ? i : faintest;
+  }
+  const VolumeLoops loops = volumeLoops(scene.features);
+  VolumeStatistics statistics;
+  const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
+  for (int row = 0; row * volumeTileWidth < image.height; ++row)
+  {
+    statistics += loops.repeatInCache(scene, row, columns, static_cast<float>(faintest), repeats);
+  }
+  return statistics;
+}
+
+} // namespace treeamr

@@ -1,0 +1,84 @@
+// Direct volume rendering (the paper's section 6.1): emission and absorption, front to back.
+#pragma once
+
+#include "Field/Field.h"
+#include "Field/TransferFunction.h"
+#include "Geometry/Image.h"
+#include "Geometry/RayView.h"
+#include "MemoryBudget.h"
+#include "Volume/VolumeSettings.h"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+namespace treeamr
+{
+
+class BlockCache;
+class VolumeTable;
+struct VolumeKernelScene;
+
+/// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
+inline constexpr float opaqueTransmittance = 1.f / 1024.f;
+
+/// 4 x 4 neighbouring pixels.
+struct PixelGroup
+{
+  static constexpr int width = 4;
+  static constexpr int rgbaSize = 4 * width * width;
+  int x; // of the lower left pixel, a multiple of width
+  int y;
+};
+
+/// A field seen through a transfer function, and what its frames have in common: the function's table, and vertex
+/// values of earlier frames. Of its calls one at a time; each takes all threads of TBB's arena.
+class Volume
+{
+public:
+  /// Keeps vertex values within keptBytes; too few keep none. Throws Error without a field, and as
+  /// setTransferFunction().
+  Volume(std::shared_ptr<const Field> field, TransferFunction transferFunction,
+    std::size_t keptBytes = defaultKeptBytes);
+  ~Volume();
+  Volume(Volume&&) noexcept;
+  Volume& operator=(Volume&&) noexcept;
+
+  const Field& field() const noexcept { return *field_; }
+  const TransferFunction& transferFunction() const noexcept { return transferFunction_; }
+  /// Throws Error, and keeps the one before, when a value of the field is none of its categories.
+  void setTransferFunction(TransferFunction transferFunction);
+
+  /// Forgets the vertex values, unless these are the bytes that it was given before.
+  void setKeptBytes(std::size_t bytes);
+  /// That vertex values take.
+  std::size_t keptBytes() const noexcept;
+
+  /// Renders into `image` (overwritten). A ray is integrated from stop to stop, with no sample across one; what the
+  /// stops hide from all rays is not visited. Throws Error when the image's size or that of the stops is not the
+  /// camera's, or the settings are not finite and positive.
+  VolumeStatistics render(const RayView& view, const VolumeSettings& settings, Image& image);
+
+  /// The pixels of these groups as render() gives them, to the bit. rgba: rgbaSize floats for each group, row by
+  /// row from the lower left as in Image; pixels beyond the image are 0. Neighbours in the list that are neighbours in
+  /// the image, too, cost less. Throws Error as render(), and for a group outside the image.
+  void renderGroups(const RayView& view, const VolumeSettings& settings, std::span<const PixelGroup> groups,
+    std::span<float> rgba);
+
+  /// For benchmarks: takes the camera's rays through a block of the transfer function's faintest value `repeats`
+  /// times, on this thread, with the tree walk and the memory of vertex values left out: what an interval, a step
+  /// and a lit step take at least.
+  VolumeStatistics renderWithoutWalk(
+    const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
+
+private:
+  VolumeKernelScene makeScene(const RayView& view, const VolumeSettings& settings, Image* image);
+
+  std::shared_ptr<const Field> field_;
+  TransferFunction transferFunction_;
+  std::unique_ptr<VolumeTable> table_; // of the last frame; null: of another function
+  std::size_t budget_; // of bytes
+  std::unique_ptr<BlockCache> kept_;
+};
+
+} // namespace treeamr
