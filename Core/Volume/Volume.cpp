@@ -3,18 +3,15 @@
 #include "Error.h"
 #include "Interpolation/BlockCache.h"
 #include "Volume/Kernel/VolumeKernel.h"
-#include "Volume/VolumeReference.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace treeamr
 {
@@ -71,44 +68,6 @@ void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<c
         std::to_string(camera.width()) + " x " + std::to_string(camera.height()));
     }
   }
-}
-
-/// Calls visit(x, y, rgba of the pixel) for a group's pixels that lie in the image.
-template <class Visit>
-void visitPixels(const PixelGroup& group, const Camera& camera, float* rgba, const Visit& visit)
-{
-  for (int i = 0; i < PixelGroup::width * PixelGroup::width; ++i, rgba += 4)
-  {
-    const int x = group.x + i % PixelGroup::width;
-    const int y = group.y + i / PixelGroup::width;
-    if (x < camera.width() && y < camera.height())
-    {
-      visit(x, y, rgba);
-    }
-  }
-}
-
-/// A whole image in which all other rays have no part.
-void renderGroupsByReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const RayStops& stops, const VolumeSettings& settings,
-  std::span<const PixelGroup> groups, std::span<float> rgba)
-{
-  Image image(camera.width(), camera.height());
-  std::vector<float> begin(image.rgba.size() / 4, 1.f);
-  const auto visitAll = [&](const auto& visit) {
-    for (std::size_t g = 0; g < groups.size(); ++g)
-    {
-      visitPixels(groups[g], camera, rgba.data() + g * PixelGroup::rgbaSize,
-        [&](int x, int y, float* out) { visit(static_cast<std::size_t>(y) * image.width + x, out); });
-    }
-  };
-  visitAll(
-    [&](std::size_t pixel, float*) { begin[pixel] = stops.beginDepth ? stops.beginDepth[pixel] : 0.f; });
-  RayStops ofGroups = stops;
-  ofGroups.beginDepth = begin.data();
-  renderVolumeReference(field, transferFunction, camera, ofGroups, settings, image);
-  std::fill(rgba.begin(), rgba.end(), 0.f);
-  visitAll([&](std::size_t pixel, float* out) { std::copy_n(image.rgba.data() + 4 * pixel, 4, out); });
 }
 
 } // namespace
@@ -177,10 +136,6 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
 {
   check(view.camera, image);
   const VolumeKernelScene scene = makeScene(view, settings, &image);
-  if (!table_->fitsSinglePrecision || !scene.resolves())
-  {
-    return renderVolumeReference(*field_, transferFunction_, view.camera, view.stops, settings, image);
-  }
   const VolumeLoops loops = volumeLoops(scene.features);
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
@@ -202,11 +157,6 @@ void Volume::renderGroups(const RayView& view, const VolumeSettings& settings,
 {
   check(view.camera, groups, rgba);
   const VolumeKernelScene scene = makeScene(view, settings, nullptr);
-  if (!table_->fitsSinglePrecision || !scene.resolves())
-  {
-    renderGroupsByReference(*field_, transferFunction_, view.camera, view.stops, settings, groups, rgba);
-    return;
-  }
   const VolumeLoops loops = volumeLoops(scene.features);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 4), [&](const auto& part) {
     loops.renderGroups(

@@ -77,7 +77,7 @@ private:
   std::shared_ptr<const Field> field_;
   TransferFunction transferFunction_;
   std::unique_ptr<VolumeTable> table_; // of the last frame; null: of another function
-  std::size_t budget_; // of bytes
+  std::size_t budget_;                 // of bytes
   std::unique_ptr<BlockCache> kept_;
 };
 

@@ -17,6 +17,8 @@ struct VolumeSettings
   /// Integrate over the values between samples where points would miss too much of the transfer function; off only
   /// to measure that.
   bool preIntegration = true;
+  /// Count in doubles where floats would do, too; on only to test that.
+  bool doubles = false;
   /// Nodes whose children are smaller than this many pixels may be drawn from their means; 0 is off.
   double levelOfDetailPixels = 0.;
 };

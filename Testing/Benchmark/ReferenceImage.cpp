@@ -1,7 +1,7 @@
 #include "ReferenceImage.h"
 
 #include "Error.h"
-#include "Volume/VolumeReference.h"
+#include "Support/VolumeReference.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +64,7 @@ Image convergedImage(const Field& field, const TransferFunction& transferFunctio
   Image image(camera.width(), camera.height());
   VolumeSettings settings;
   settings.samplesPerCell = samplesPerCell;
-  renderVolumeReference(field, transferFunction, camera, {}, settings, image);
+  test::renderVolumeReference(field, transferFunction, camera, {}, settings, image);
   return image;
 }
 

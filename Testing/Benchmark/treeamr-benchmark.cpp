@@ -25,8 +25,8 @@
 #include "ReferenceImage.h"
 #include "Report.h"
 #include "Scene.h"
+#include "Support/VolumeReference.h"
 #include "Volume/Volume.h"
-#include "Volume/VolumeReference.h"
 
 #include <oneapi/tbb/global_control.h>
 
@@ -188,7 +188,7 @@ Measurement measureVolume(const Options& options, const Scene& scene)
   }
   Image scalarImage(camera.width(), camera.height());
   const Cost scalar = measure([&] {
-    renderVolumeReference(*field, scene.transferFunction, camera, {}, options.settings, scalarImage);
+    test::renderVolumeReference(*field, scene.transferFunction, camera, {}, options.settings, scalarImage);
   });
   const Image reference =
     referenceImage(file + ".reference", forest.digest, *field, scene.transferFunction, camera);

@@ -3,12 +3,12 @@
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/Kernels.h"
 #include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
-#include "Support/Targets.h"
+#include "Support/VolumeReference.h"
 #include "Volume/ErrorEstimate.h"
-#include "Volume/VolumeReference.h"
 
 #include <gtest/gtest.h>
 
@@ -106,7 +106,7 @@ std::vector<Camera> cameras()
     camera(multiply(parallel(1.9, 0.1, 20.), lookAt({ 4., 3., 3.5 }, middle))) };
 }
 
-/// Largest difference of a channel on any target, infinite where targets differ; least of the brightest opacities.
+/// Largest difference of a channel of any kernel, infinite where instruction sets differ; least of the brightest opacities.
 struct Comparison
 {
   double error = 0.;
@@ -119,10 +119,11 @@ Comparison compare(const RootGrid& grid, const std::vector<LeafCell>& cells,
   const auto field = makeField(grid, cells);
   const TransferFunction transferFunction = TransferFunction::ofCategories(entries);
   Comparison result;
-  Image first(0, 0);
-  forEachTarget([&](const char*) {
+  std::array<Image, 2> firsts{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
+  forEachKernel({}, [&](const std::string& /*kernel*/, const VolumeSettings& settings) {
     Image image(camera.width(), camera.height());
-    renderVolume(*field, transferFunction, camera, {}, {}, image);
+    renderVolume(*field, transferFunction, camera, {}, settings, image);
+    Image& first = firsts[settings.doubles];
     first = first.width == 0 ? image : first;
     result.error = first.rgba == image.rgba ? result.error : INFINITY;
   });
@@ -134,13 +135,13 @@ Comparison compare(const RootGrid& grid, const std::vector<LeafCell>& cells,
     for (std::size_t c = 0; c < 4; ++c)
     {
       const std::size_t at = 4 * static_cast<std::size_t>(i) + c;
-      for (const Image* image : { &first, &reference })
+      for (const Image* image : { &firsts[0], &firsts[1], &reference })
       {
         const double error = std::abs(image->rgba[at] - expected[c]);
         result.error = error <= result.error ? result.error : error; // NaN counts
       }
     }
-    result.opacity = std::max(result.opacity, first.rgba[4 * static_cast<std::size_t>(i) + 3]);
+    result.opacity = std::max(result.opacity, firsts[0].rgba[4 * static_cast<std::size_t>(i) + 3]);
   }
   return result;
 }
@@ -200,9 +201,9 @@ TEST(Categories, OpaqueLeavesHaveTheirOwnColours)
   }
   for (const Camera& camera : cameras())
   {
-    forEachTarget([&](const char* target) {
+    forEachKernel({}, [&](const std::string& kernel, const VolumeSettings& settings) {
       Image image(width, height);
-      renderVolume(*field, TransferFunction::ofCategories(opaque), camera, {}, {}, image);
+      renderVolume(*field, TransferFunction::ofCategories(opaque), camera, {}, settings, image);
       for (std::size_t i = 0; i < image.rgba.size(); i += 4)
       {
         EXPECT_TRUE(image.rgba[i + 3] == 0.f ||
@@ -211,7 +212,7 @@ TEST(Categories, OpaqueLeavesHaveTheirOwnColours)
               return image.rgba[i] == e.r && image.rgba[i + 1] == e.g && image.rgba[i + 2] == e.b &&
                 image.rgba[i + 3] == 1.f;
             }))
-          << target << ", pixel " << i / 4;
+          << kernel << ", pixel " << i / 4;
       }
     });
   }
@@ -314,12 +315,12 @@ TEST(Categories, SurfacesCutTheLeaves)
     const RayStops surfaces = hits.stops();
     Image expected(width, height);
     renderVolumeReference(*field, transferFunction, camera, surfaces, {}, expected);
-    forEachTarget([&](const char* target) {
+    forEachKernel({}, [&](const std::string& kernel, const VolumeSettings& settings) {
       Image image(width, height);
-      renderVolume(*field, transferFunction, camera, surfaces, {}, image);
+      renderVolume(*field, transferFunction, camera, surfaces, settings, image);
       for (std::size_t i = 0; i < image.rgba.size(); ++i)
       {
-        ASSERT_NEAR(image.rgba[i], expected.rgba[i], rounding) << target;
+        ASSERT_NEAR(image.rgba[i], expected.rgba[i], rounding) << kernel;
       }
     });
   }

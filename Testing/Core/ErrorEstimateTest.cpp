@@ -7,7 +7,7 @@
 #include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
-#include "Volume/VolumeReference.h"
+#include "Support/VolumeReference.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>

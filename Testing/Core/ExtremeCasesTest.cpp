@@ -139,6 +139,22 @@ TEST(ExtremeCases, VolumeBesideHugeValues)
   expectAtMost(largest, halfAStep, "of a channel");
 }
 
+TEST(ExtremeCases, VolumeWhoseTableIsAStep)
+{
+  // All of it between a number and the next, or as narrow as numbers go.
+  double largest = 0.;
+  std::vector<TransferFunction::Entry> entries(100, { 0.f, 1.f, 0.5f, 0.f });
+  entries.back() = { 1.f, 0.f, 0.5f, 2.f };
+  for (const double end : { 1e-20, 1e-26, 1e-29, 1e-45, 1e-300, 5e-324, std::nextafter(0.25, 1.) })
+  {
+    ExactScene scene({ 2, 2, 2 }, randomCells());
+    const TransferFunction step(end > 0.1 ? 0.25 : 0., end, entries);
+    largest = std::max(largest, scene.volumeError(step, outside(), 1, 4096.));
+    EXPECT_GT(scene.brightest(), 0.5);
+  }
+  expectAtMost(largest, halfAStep, "of a channel");
+}
+
 TEST(ExtremeCases, SurfaceBesideHugeValues)
 {
   // No pixel in the middle: its ray would meet the vertex that the camera looks at.

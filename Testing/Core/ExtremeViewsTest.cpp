@@ -370,6 +370,49 @@ TEST(ExtremeCases, CameraRaysAtAnglesFromAThousandthTo179Degrees)
   expectAtMost(largest, 1e-6, "of a pixel");
 }
 
+namespace
+{
+
+/// Pictures so wide of a point, from beside the domain's corner and against it: parallel and by a narrow angle.
+std::vector<Camera> closeUps(const Vec3& point, double pictureWidth)
+{
+  std::vector<Camera> cameras;
+  for (const double sign : { 1., -1. })
+  {
+    const Vec3 eye{ point[0] + sign * 3.2, point[1] + sign * 2.3, point[2] + sign * 2.7 };
+    const Matrix4 view = lookAt(eye, point);
+    const double distance = std::sqrt(dot(eye, eye) - 2. * dot(eye, point) + dot(point, point));
+    cameras.emplace_back(multiply(parallel(0.5 * pictureWidth, 0.1, 9.), view), identityMatrix, 9, 9);
+    cameras.emplace_back(
+      multiply(perspective(pictureWidth / distance * 180. / std::numbers::pi, 0.1, 9.), view), identityMatrix,
+      9, 9);
+  }
+  return cameras;
+}
+
+} // namespace
+
+TEST(ExtremeCases, VolumeZoomedUpToAMillionMillionTimes)
+{
+  // Into the domain's corner, where rays leave it before an opaque medium is opaque; and to an edge of cells inside, with
+  // what the picture shows of it before everything.
+  ExactScene scene({ 2, 2, 2 }, makeRandomTree({ 3, { 2, 2, 2 }, 3, 0.7, 0., false }));
+  double largest = 0.;
+  for (const double zoom : { 1e4, 1e6, 1e8, 1e10, 1e12 })
+  {
+    for (const Camera& camera : closeUps({ 2., 2., 2. }, 1. / zoom))
+    {
+      largest = std::max(largest, scene.volumeError(smooth(10. * zoom), camera));
+    }
+    EXPECT_GT(scene.brightest(), 0.5) << zoom;
+    for (const Camera& camera : closeUps({ 1., 0.75, 1.25 }, 1. / zoom))
+    {
+      largest = std::max(largest, scene.volumeError(smooth(0.5), camera));
+    }
+  }
+  expectAtMost(largest, halfAStep, "of a channel");
+}
+
 TEST(ExtremeCases, VolumeInPicturesOfOnePixelAndOf16384x2)
 {
   ExactScene scene({ 2, 2, 2 }, randomCells());

@@ -3,11 +3,11 @@
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
+#include "Support/Kernels.h"
 #include "Support/Measured.h"
-#include "Support/RandomTrees.h"
-#include "Support/Targets.h"
 #include "Support/OneFrame.h"
-#include "Volume/VolumeReference.h"
+#include "Support/RandomTrees.h"
+#include "Support/VolumeReference.h"
 
 #include <gtest/gtest.h>
 
@@ -47,13 +47,13 @@ Camera downwards()
   return Camera(multiply(parallel(0.6, 0.1, 20.), view), identityMatrix, width, height);
 }
 
-/// Calls f(what, image) with the picture of the kernel on each instruction set, and of the reference.
+/// Calls f(image) with the picture of each kernel, and of the reference.
 void forEachRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const std::function<void(const Image&)>& f)
 {
   Image image(camera.width(), camera.height());
-  forEachTarget([&](const char* /*target*/) {
-    renderVolume(field, transferFunction, camera, {}, {}, image);
+  forEachKernel({}, [&](const std::string& /*kernel*/, const VolumeSettings& settings) {
+    renderVolume(field, transferFunction, camera, {}, settings, image);
     f(image);
   });
   renderVolumeReference(field, transferFunction, camera, {}, {}, image);
@@ -184,12 +184,14 @@ double spikeError(const Field& field, int half, int firstPlace, int endPlace)
       const double part = static_cast<double>(half - std::abs(i)) / (half * half);
       entries[at + i].extinction = static_cast<float>(spikeDepth * part * (tableSize - 1) / 2.);
     }
-    Image image(width, height);
-    renderVolume(field, TransferFunction(0., 2., entries), downwards(), {}, {}, image);
-    const float* p = middlePixel(image);
-    largest = std::max(largest, std::abs(depthOf(p) - spikeDepth));
-    EXPECT_NEAR(p[1], 0.5 * p[3], 1e-6);
-    EXPECT_NEAR(p[2], 0.25 * p[3], 1e-6);
+    inFloatsAndDoubles({}, [&](const VolumeSettings& settings) {
+      Image image(width, height);
+      renderVolume(field, TransferFunction(0., 2., entries), downwards(), {}, settings, image);
+      const float* p = middlePixel(image);
+      largest = std::max(largest, std::abs(depthOf(p) - spikeDepth));
+      EXPECT_NEAR(p[1], 0.5 * p[3], 1e-6);
+      EXPECT_NEAR(p[2], 0.25 * p[3], 1e-6);
+    });
   }
   return largest;
 }
@@ -212,6 +214,24 @@ TEST(StiffCases, ASpikeInAStepKeepsItsDepthDownToOneEntry)
     {
       largest = std::max(largest, spikeError(*field, half, 1200, 1200 + 4 * entriesInHalfAStep(level)));
     }
+  }
+  expectAtMost(largest / spikeDepth, 0.01, "of the spike's optical depth");
+}
+
+TEST(StiffCases, ASpikeInAStepKeepsItsDepthInEveryZoom)
+{
+  // The field does not change across the picture: it is one pixel of the whole one, until doubles are the same.
+  const auto field = slope(3);
+  std::vector<Entry> entries(tableSize, { 1.f, 0.5f, 0.25f, 0.f });
+  entries[1234].extinction = static_cast<float>(spikeDepth * (tableSize - 1) / 2.);
+  double largest = 0.;
+  for (double zoom = 1.; zoom <= 1e12; zoom *= 1e3)
+  {
+    const Matrix4 view{ 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1, -5, 0, 0, 0, 1 };
+    const Camera camera(multiply(parallel(0.6 / zoom, 0.1, 20.), view), identityMatrix, width, height);
+    Image image(width, height);
+    renderVolume(*field, TransferFunction(0., 2., entries), camera, {}, {}, image);
+    largest = std::max(largest, std::abs(depthOf(middlePixel(image)) - spikeDepth));
   }
   expectAtMost(largest / spikeDepth, 0.01, "of the spike's optical depth");
 }
@@ -244,10 +264,12 @@ TEST(StiffCases, AStepFallsBetweenItsEntries)
     {
       entries[i].extinction = static_cast<float>(extinction);
     }
-    Image image(width, height);
-    renderVolume(*field, TransferFunction(0., 2., entries), downwards(), {}, {}, image);
-    const double entriesAbove = depthOf(middlePixel(image)) / extinction * (size - 1) / 2.;
-    largest = std::max(largest, std::abs(entriesAbove - (size - at - 0.5)));
+    inFloatsAndDoubles({}, [&](const VolumeSettings& settings) {
+      Image image(width, height);
+      renderVolume(*field, TransferFunction(0., 2., entries), downwards(), {}, settings, image);
+      const double entriesAbove = depthOf(middlePixel(image)) / extinction * (size - 1) / 2.;
+      largest = std::max(largest, std::abs(entriesAbove - (size - at - 0.5)));
+    });
   }
   expectAtMost(largest, 2., "of 4096 entries");
 }
@@ -261,17 +283,19 @@ TEST(StiffCases, TwoEntriesAreALine)
   ExactRay exact({ 2, 2, 2 }, cells);
   VolumeSettings settings;
   settings.samplesPerCell = 16.;
-  Image image(width, height);
-  renderVolume(*field, line, camera, {}, settings, image);
   double largest = 0.;
-  for (int i = 0; i < width * height; ++i)
-  {
-    const auto expected = exact.light(camera.ray(i % width, i / width), 0., 20., line);
-    for (int c = 0; c < 4; ++c)
+  inFloatsAndDoubles(settings, [&](const VolumeSettings& ofKernel) {
+    Image image(width, height);
+    renderVolume(*field, line, camera, {}, ofKernel, image);
+    for (int i = 0; i < width * height; ++i)
     {
-      largest = std::max(largest, std::abs(image.rgba[4 * i + c] - expected[c]));
+      const auto expected = exact.light(camera.ray(i % width, i / width), 0., 20., line);
+      for (int c = 0; c < 4; ++c)
+      {
+        largest = std::max(largest, std::abs(image.rgba[4 * i + c] - expected[c]));
+      }
     }
-  }
+  });
   expectAtMost(largest, 5e-4, "of a channel");
 }
 
@@ -320,17 +344,19 @@ TEST(StiffCases, SpikesAndOpaqueWallsFromCellToCell)
   ExactRay exact({ 2, 2, 2 }, cells);
   VolumeSettings settings;
   settings.samplesPerCell = 256.;
-  Image image(width, height);
-  renderVolume(*field, transferFunction, camera, {}, settings, image);
   double largest = 0.;
-  for (int i = 0; i < width * height; ++i)
-  {
-    const Ray ray = camera.ray(i % width, i / width);
-    const auto expected = exact.light(ray, 0., 20., transferFunction, 4096);
-    for (int c = 0; c < 4; ++c)
+  inFloatsAndDoubles(settings, [&](const VolumeSettings& ofKernel) {
+    Image image(width, height);
+    renderVolume(*field, transferFunction, camera, {}, ofKernel, image);
+    for (int i = 0; i < width * height; ++i)
     {
-      largest = std::max(largest, std::abs(image.rgba[4 * i + c] - expected[c]));
+      const Ray ray = camera.ray(i % width, i / width);
+      const auto expected = exact.light(ray, 0., 20., transferFunction, 4096);
+      for (int c = 0; c < 4; ++c)
+      {
+        largest = std::max(largest, std::abs(image.rgba[4 * i + c] - expected[c]));
+      }
     }
-  }
+  });
   expectAtMost(largest, 1. / 255., "of a channel");
 }

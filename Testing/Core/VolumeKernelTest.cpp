@@ -1,15 +1,16 @@
-// The vectorised volume renderer on every instruction set of this machine, against the scalar reference.
+// The volume kernels, of float and of double lanes, on every instruction set of this machine, against the scalar
+// reference.
 #include "Error.h"
 #include "Interpolation/BlockCache.h"
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/Kernels.h"
 #include "Support/ListSource.h"
 #include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
-#include "Support/Targets.h"
-#include "Volume/VolumeReference.h"
+#include "Support/VolumeReference.h"
 
 #include <gtest/gtest.h>
 
@@ -119,7 +120,7 @@ TEST(VolumeKernel, EqualsTheReferenceOnEveryTarget)
   // A ray whose way is a whole number of steps long, but for rounding, may take one more: with many the
   // pictures still agree.
   settings.samplesPerCell = 64.;
-  int targets = 0;
+  int kernels = 0;
   for (const View& view : views())
   {
     const Camera camera(view.clip, identityMatrix, width, height);
@@ -131,14 +132,14 @@ TEST(VolumeKernel, EqualsTheReferenceOnEveryTarget)
       brightest = std::max(brightest, c);
     }
     EXPECT_GT(brightest, 0.3f) << view.name;
-    forEachTarget([&](const char* target) {
+    forEachKernel(settings, [&](const std::string& kernel, const VolumeSettings& ofKernel) {
       Image image(width, height);
-      renderVolume(*field, transferFunction, camera, {}, settings, image);
-      EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << target;
-      ++targets;
+      renderVolume(*field, transferFunction, camera, {}, ofKernel, image);
+      EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << kernel;
+      ++kernels;
     });
   }
-  EXPECT_GE(targets, 5);
+  EXPECT_GE(kernels, 10);
 }
 
 TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
@@ -170,16 +171,17 @@ TEST(VolumeKernel, EqualsTheReferenceWithSurfacesOnEveryTarget)
     renderVolumeReference(*field, smooth(), camera, surfaces, settings, expected);
     renderVolumeReference(*field, smooth(), camera, parts, settings, without);
     EXPECT_GT(largestDifference(expected, without), 0.5f) << view.name;
-    Image first(0, 0);
-    forEachTarget([&](const char* target) {
+    std::array<Image, 2> firsts{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
+    forEachKernel(settings, [&](const std::string& kernel, const VolumeSettings& ofKernel) {
       Image image(width, height);
-      renderVolume(*field, smooth(), camera, surfaces, settings, image);
-      EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << target;
+      renderVolume(*field, smooth(), camera, surfaces, ofKernel, image);
+      EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << kernel;
+      Image& first = firsts[ofKernel.doubles];
       if (first.width == 0)
       {
         first = image;
       }
-      EXPECT_EQ(image.rgba, first.rgba) << view.name << " on " << target;
+      EXPECT_EQ(image.rgba, first.rgba) << view.name << " on " << kernel;
     });
   }
 }
@@ -198,19 +200,21 @@ TEST(VolumeKernel, EveryTargetGivesTheSameBits)
     for (const View& view : views())
     {
       const Camera camera(view.clip, identityMatrix, width, height);
-      Image first(0, 0);
-      int targets = 0;
-      forEachTarget([&](const char* target) {
+      std::array<Image, 2> firsts{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
+      int kernels = 0;
+      forEachKernel({}, [&](const std::string& kernel, const VolumeSettings& settings) {
         Image image(width, height);
-        renderVolume(*field, transferFunction, camera, {}, {}, image);
+        renderVolume(*field, transferFunction, camera, {}, settings, image);
+        Image& first = firsts[settings.doubles];
         if (first.width == 0)
         {
           first = image;
         }
-        EXPECT_EQ(image.rgba, first.rgba) << view.name << " on " << target;
-        ++targets;
+        EXPECT_EQ(image.rgba, first.rgba) << view.name << " on " << kernel;
+        ++kernels;
       });
-      EXPECT_GE(targets, 2);
+      EXPECT_GE(kernels, 4);
+      EXPECT_NE(firsts[0].rgba, firsts[1].rgba) << view.name;
     }
   }
 }
@@ -221,14 +225,13 @@ TEST(VolumeKernel, SkippingNeverChangesABitOnAnyTarget)
   for (const View& view : views())
   {
     const Camera camera(view.clip, identityMatrix, width, height);
-    forEachTarget([&](const char* target) {
+    forEachKernel({}, [&](const std::string& kernel, VolumeSettings settings) {
       Image with(width, height);
       Image without(width, height);
-      VolumeSettings settings;
       const auto skipped = renderVolume(*field, smooth(), camera, {}, settings, with);
       settings.skipEmpty = false;
       const auto all = renderVolume(*field, smooth(), camera, {}, settings, without);
-      EXPECT_EQ(with.rgba, without.rgba) << view.name << " on " << target;
+      EXPECT_EQ(with.rgba, without.rgba) << view.name << " on " << kernel;
       EXPECT_LT(skipped.samples, all.samples);
     });
   }
@@ -347,9 +350,13 @@ TEST(VolumeKernel, GroupsHaveTheBitsOfTheFrame)
     };
     VolumeSettings coarse;
     coarse.levelOfDetailPixels = 4.;
-    forEachTarget([&](const char*) { expectGroups(*field, smooth(), {}, {}); });
-    expectGroups(*field, smooth(), surfaces, {});
-    expectGroups(*field, smooth(), {}, coarse);
+    forEachKernel({}, [&](const std::string& /*kernel*/, const VolumeSettings& settings) {
+      expectGroups(*field, smooth(), {}, settings);
+    });
+    inFloatsAndDoubles(
+      {}, [&](const VolumeSettings& settings) { expectGroups(*field, smooth(), surfaces, settings); });
+    inFloatsAndDoubles(
+      coarse, [&](const VolumeSettings& settings) { expectGroups(*field, smooth(), {}, settings); });
     expectGroups(*hugeField, ofHuge, surfaces, {});
   }
 }
@@ -382,11 +389,11 @@ TEST(VolumeKernel, CutsEqualTheReferenceOnEveryTarget)
       renderVolumeReference(*field, smooth(), camera, stops, settings, expected);
       renderVolumeReference(*field, smooth(), camera, {}, settings, whole);
       EXPECT_GT(largestDifference(expected, whole), 0.2f) << view.name;
-      forEachTarget([&](const char* target) {
+      forEachKernel(settings, [&](const std::string& kernel, const VolumeSettings& ofKernel) {
         Image image(width, height);
-        renderVolume(*field, smooth(), camera, stops, settings, image);
-        EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << target;
-        expectGroupsOf(image, *field, smooth(), camera, stops, settings, view.name);
+        renderVolume(*field, smooth(), camera, stops, ofKernel, image);
+        EXPECT_LT(largestDifference(image, expected), 1e-3f) << view.name << " on " << kernel;
+        expectGroupsOf(image, *field, smooth(), camera, stops, ofKernel, view.name);
       });
     }
   }
@@ -414,26 +421,28 @@ TEST(VolumeKernel, KeptValuesNeverChangeABit)
   const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
   const Camera camera(views().front().clip, identityMatrix, width, height);
   const Octree& octree = field->octree();
-  Volume none(field, smooth(), 0);
-  Volume one(field, smooth(), smallestBudget(octree));
-  Volume all(field, smooth());
-  Image images[]{ { width, height }, { width, height }, { width, height }, { width, height } };
-  const auto computed = none.render(camera, {}, images[0]).blocks;
-  one.render(camera, {}, images[1]);
-  const auto first = all.render(camera, {}, images[2]).blocks;
-  const auto second = all.render(camera, {}, images[3]);
-  for (const Image& image : images)
-  {
-    EXPECT_EQ(image.rgba, images[0].rgba);
-  }
-  EXPECT_LE(first, computed);
-  EXPECT_GT(first, 100u);
-  EXPECT_EQ(second.blocks, 0u);
-  EXPECT_EQ(second.cells, 0u);
-  EXPECT_GT(second.kept, 100u);
-  EXPECT_EQ(none.keptBytes(), 0u);
-  EXPECT_LE(one.keptBytes(), smallestBudget(octree) + 1024);
-  EXPECT_GE(all.keptBytes(), first * BlockCache::blockBytes);
+  inFloatsAndDoubles({}, [&](const VolumeSettings& settings) {
+    Volume none(field, smooth(), 0);
+    Volume one(field, smooth(), smallestBudget(octree));
+    Volume all(field, smooth());
+    Image images[]{ { width, height }, { width, height }, { width, height }, { width, height } };
+    const auto computed = none.render(camera, settings, images[0]).blocks;
+    one.render(camera, settings, images[1]);
+    const auto first = all.render(camera, settings, images[2]).blocks;
+    const auto second = all.render(camera, settings, images[3]);
+    for (const Image& image : images)
+    {
+      EXPECT_EQ(image.rgba, images[0].rgba);
+    }
+    EXPECT_LE(first, computed);
+    EXPECT_GT(first, 100u);
+    EXPECT_EQ(second.blocks, 0u);
+    EXPECT_EQ(second.cells, 0u);
+    EXPECT_GT(second.kept, 100u);
+    EXPECT_EQ(none.keptBytes(), 0u);
+    EXPECT_LE(one.keptBytes(), smallestBudget(octree) + 1024);
+    EXPECT_GE(all.keptBytes(), first * BlockCache::blockBytes);
+  });
 }
 
 TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
@@ -482,31 +491,34 @@ TEST(VolumeKernel, UnitsAndOffsetsDoNotMatter)
   }
 }
 
-TEST(VolumeKernel, HugeValuesAreRenderedByTheReference)
+TEST(VolumeKernel, HugeValuesAreRenderedInDoubles)
 {
   auto cells = makeRandomTree({ 12, { 1, 1, 1 }, 3, 0.6, 0., false });
   for (LeafCell& c : cells)
   {
     c.value *= 3e38f;
   }
-  auto built = buildOctree(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), cells);
-  Field field(built.octree, built.values);
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), cells);
   const TransferFunction transferFunction(-3e38, 3e38, { { 1.f, 0.f, 0.f, 0.f }, { 0.f, 1.f, 0.f, 5.f } });
   const Camera camera(views().front().clip, identityMatrix, width, height);
-  Image image(width, height);
-  Image expected(width, height);
-  renderVolume(field, transferFunction, camera, {}, {}, image);
-  renderVolumeReference(field, transferFunction, camera, {}, {}, expected);
-  EXPECT_EQ(image.rgba, expected.rgba);
-  for (const float c : image.rgba)
-  {
-    EXPECT_TRUE(std::isfinite(c));
-  }
+  VolumeSettings settings;
+  settings.samplesPerCell = 64.;
   const PixelHits hits = makeHits(camera);
-  renderVolume(field, transferFunction, camera, hits.stops(), {}, image);
-  EXPECT_GT(largestDifference(image, expected), 0.5f);
-  renderVolumeReference(field, transferFunction, camera, hits.stops(), {}, expected);
-  EXPECT_EQ(image.rgba, expected.rgba);
+  for (const RayStops& stops : { RayStops(), hits.stops() })
+  {
+    Image expected(width, height);
+    renderVolumeReference(*field, transferFunction, camera, stops, settings, expected);
+    Image asked(width, height);
+    inFloatsAndDoubles(settings, [&](const VolumeSettings& either) {
+      Image image(width, height);
+      renderVolume(*field, transferFunction, camera, stops, either, image);
+      EXPECT_LT(largestDifference(image, expected), 1e-3f);
+      asked = image;
+    });
+    Image chosen(width, height);
+    renderVolume(*field, transferFunction, camera, stops, settings, chosen);
+    EXPECT_EQ(chosen.rgba, asked.rgba);
+  }
 }
 
 TEST(VolumeKernel, WithoutPreIntegrationASpikeIsMissedOrFillsAStep)
@@ -570,10 +582,10 @@ TEST(VolumeKernel, AHullFarWiderThanTheTableKeepsItsDigits)
   settings.samplesPerCell = 512.;
   Image expected(width, height);
   renderVolumeReference(*field, smooth(), camera, {}, settings, expected);
-  forEachTarget([&](const char* target) {
+  forEachKernel(settings, [&](const std::string& kernel, const VolumeSettings& ofKernel) {
     Image image(width, height);
-    renderVolume(*field, smooth(), camera, {}, settings, image);
-    EXPECT_LT(largestDifference(image, expected), 4e-3f) << target;
+    renderVolume(*field, smooth(), camera, {}, ofKernel, image);
+    EXPECT_LT(largestDifference(image, expected), 4e-3f) << kernel;
   });
 }
 
@@ -588,27 +600,28 @@ TEST(VolumeKernel, LevelOfDetailTakesLessAndKeepsTheFieldsMean)
   const Camera camera(views().front().clip, identityMatrix, width, height);
   Image full(width, height);
   Image draft(width, height);
-  VolumeSettings settings;
-  const auto all = renderVolume(*field, smooth(), camera, {}, settings, full);
-  settings.levelOfDetailPixels = 1e-3; // no node is that small
-  const auto same = renderVolume(*field, smooth(), camera, {}, settings, draft);
-  EXPECT_EQ(draft.rgba, full.rgba);
-  EXPECT_EQ(same.samples, all.samples);
-  settings.levelOfDetailPixels = 2.5;
-  const auto less = renderVolume(*field, smooth(), camera, {}, settings, draft);
-  EXPECT_LT(less.nodes, all.nodes / 2);
-  EXPECT_LT(less.samples, all.samples);
-  double sum = 0.;
-  double squared = 0.;
-  for (std::size_t i = 0; i < full.rgba.size(); ++i)
-  {
-    sum += full.rgba[i];
-    squared += std::pow(full.rgba[i] - draft.rgba[i], 2);
-  }
-  const auto size = static_cast<double>(full.rgba.size());
-  EXPECT_GT(sum / size, 0.03);
-  EXPECT_LT(std::sqrt(squared / size), 0.01);
-  EXPECT_GT(squared, 0.);
+  inFloatsAndDoubles({}, [&](VolumeSettings settings) {
+    const auto all = renderVolume(*field, smooth(), camera, {}, settings, full);
+    settings.levelOfDetailPixels = 1e-3; // no node is that small
+    const auto same = renderVolume(*field, smooth(), camera, {}, settings, draft);
+    EXPECT_EQ(draft.rgba, full.rgba);
+    EXPECT_EQ(same.samples, all.samples);
+    settings.levelOfDetailPixels = 2.5;
+    const auto less = renderVolume(*field, smooth(), camera, {}, settings, draft);
+    EXPECT_LT(less.nodes, all.nodes / 2);
+    EXPECT_LT(less.samples, all.samples);
+    double sum = 0.;
+    double squared = 0.;
+    for (std::size_t i = 0; i < full.rgba.size(); ++i)
+    {
+      sum += full.rgba[i];
+      squared += std::pow(full.rgba[i] - draft.rgba[i], 2);
+    }
+    const auto size = static_cast<double>(full.rgba.size());
+    EXPECT_GT(sum / size, 0.03);
+    EXPECT_LT(std::sqrt(squared / size), 0.01);
+    EXPECT_GT(squared, 0.);
+  });
 }
 
 // Nodes without ghosts are drawn as in a tree that has none.
@@ -632,14 +645,15 @@ TEST(VolumeKernel, OneGhostCostsNoMoreThanItsOwnNodes)
   constexpr std::uint64_t ofItsNodes = 64; // levels and siblings
   for (const double pixels : { 0., 2.5 })
   {
-    VolumeSettings settings;
-    settings.levelOfDetailPixels = pixels;
-    Image expected(width, height);
-    Image image(width, height);
-    const auto without = renderVolume(*plain, smooth(), camera, {}, settings, expected);
-    const auto with = renderVolume(*field, smooth(), camera, {}, settings, image);
-    EXPECT_LE(with.nodes, without.nodes + ofItsNodes) << pixels;
-    EXPECT_LE(with.blocks, without.blocks + ofItsNodes) << pixels;
-    EXPECT_LT(largestDifference(image, expected), 0.02f) << pixels;
+    inFloatsAndDoubles({}, [&](VolumeSettings settings) {
+      settings.levelOfDetailPixels = pixels;
+      Image expected(width, height);
+      Image image(width, height);
+      const auto without = renderVolume(*plain, smooth(), camera, {}, settings, expected);
+      const auto with = renderVolume(*field, smooth(), camera, {}, settings, image);
+      EXPECT_LE(with.nodes, without.nodes + ofItsNodes) << pixels;
+      EXPECT_LE(with.blocks, without.blocks + ofItsNodes) << pixels;
+      EXPECT_LT(largestDifference(image, expected), 0.02f) << pixels;
+    });
   }
 }

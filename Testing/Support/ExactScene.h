@@ -4,12 +4,13 @@
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
 #include "Support/Fields.h"
+#include "Support/Kernels.h"
 #include "Support/OneFrame.h"
 #include "Support/RandomTrees.h"
-#include "Support/Targets.h"
 #include "Surface/Isosurface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -34,17 +35,19 @@ public:
   {
   }
 
-  /// The largest error of a channel over every `stride`th pixel, infinite where instruction sets differ.
+  /// The largest error of a channel over every `stride`th pixel, with float and double lanes, infinite where instruction
+  /// sets differ.
   double volumeError(const TransferFunction& transferFunction, const Camera& camera, int stride = 1,
     double samplesPerCell = 64.)
   {
     VolumeSettings settings;
     settings.samplesPerCell = samplesPerCell;
-    Image image(0, 0);
+    std::array<Image, 2> images{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
     double largest = 0.;
-    forEachTarget([&](const char* /*target*/) {
+    forEachKernel(settings, [&](const std::string& /*kernel*/, const VolumeSettings& ofKernel) {
       Image again(camera.width(), camera.height());
-      renderVolume(*field_, transferFunction, camera, {}, settings, again);
+      renderVolume(*field_, transferFunction, camera, {}, ofKernel, again);
+      Image& image = images[ofKernel.doubles];
       image = image.width == 0 ? again : image;
       largest = image.rgba == again.rgba ? largest : std::numeric_limits<double>::infinity();
     });
@@ -54,10 +57,13 @@ public:
       const auto expected =
         exact_.light(toRoots(ray), camera.tFromDepth(ray, 0.), camera.tFromDepth(ray, 1.), transferFunction);
       brightest_ = std::max(brightest_, expected[3]);
-      for (int c = 0; c < 4; ++c)
+      for (const Image& image : images)
       {
-        const double error = std::abs(image.rgba[4 * static_cast<std::size_t>(i) + c] - expected[c]);
-        largest = error <= largest ? largest : error; // NaN counts
+        for (int c = 0; c < 4; ++c)
+        {
+          const double error = std::abs(image.rgba[4 * static_cast<std::size_t>(i) + c] - expected[c]);
+          largest = error <= largest ? largest : error; // NaN counts
+        }
       }
     }
     return largest;

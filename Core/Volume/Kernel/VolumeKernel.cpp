@@ -6,6 +6,10 @@ namespace treeamr
 
 VolumeLoops volumeLoops(const SceneFeatures& features)
 {
+  if (features.doubles)
+  {
+    return volumeLoopsInDoubles();
+  }
   return features.commonOrigin ? volumeLoopsFromOnePoint() : volumeLoopsOfAnyRays();
 }
 

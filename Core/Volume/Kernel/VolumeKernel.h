@@ -15,21 +15,18 @@ namespace treeamr
 struct SceneFeatures
 {
   bool commonOrigin = true;    // all rays start at one point; compiled apart
+  bool doubles = false;        // floats do not resolve the view, the domain or the values; compiled apart
   bool preIntegration = false; // some cell may vary more than point samples can follow
   bool categories = false;     // each leaf is one constant
 };
 
-/// The kernel counts in single precision from `reference`, in units that make the domain's diagonal 1, both as
+/// The kernel counts, in floats or as `features` tell in doubles, from `reference`, in units that make the domain's diagonal 1, both as
 /// a length on the central ray and in data coordinates, so that neither offsets nor units cost it digits.
 struct VolumeKernelScene
 {
   /// Refers to all of these. The table's integrals are wanted when the features tell so.
   VolumeKernelScene(const Field& field, const TransferFunction& transferFunction, const VolumeTable& table,
     const RayView& view, const VolumeSettings& settings, BlockCache& kept, Image* image);
-
-  /// Whether single precision tells neighbouring rays from each other, and the two sides of the domain: not so in far
-  /// zooms that move the picture but not the eye, nor in domains as thin as a sheet.
-  bool resolves() const;
 
   const Field& field;
   const TransferFunction& transferFunction;
@@ -55,6 +52,7 @@ struct VolumeKernelScene
 private:
   void place();
   void measurePixels();
+  bool resolves() const;
 };
 
 /// Of the optical depth along one width of a leaf, when its part of the table is only sampled at points: what
@@ -87,6 +85,7 @@ struct VolumeLoops
 
 VolumeLoops volumeLoopsFromOnePoint();
 VolumeLoops volumeLoopsOfAnyRays();
+VolumeLoops volumeLoopsInDoubles();
 /// That a scene needs.
 VolumeLoops volumeLoops(const SceneFeatures& features);
 

@@ -22,6 +22,7 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
 {
   place();
   measurePixels();
+  features.doubles = settings.doubles || !table.fitsSinglePrecision || !resolves();
   features.categories = transferFunction.hasCategories();
   if (!features.categories && settings.preIntegration)
   {
@@ -30,6 +31,8 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   }
 }
 
+/// Whether single precision tells neighbouring rays from each other, and the two sides of the domain: not so in far
+/// zooms that move the picture but not the eye, nor in domains as thin as a sheet.
 bool VolumeKernelScene::resolves() const
 {
   const Bounds domain = field.octree().grid().bounds();

@@ -77,6 +77,20 @@ HWY_INLINE Ints<Real> nearest(Reals<Real> v)
   }
 }
 
+/// What an index needs to gather lanes.
+template <class Real>
+HWY_INLINE auto asWideAsLanes(Ints<Real> index)
+{
+  if constexpr (std::is_same_v<Real, float>)
+  {
+    return index;
+  }
+  else
+  {
+    return hn::PromoteTo(hn::RebindToSigned<RealTag<Real>>(), index);
+  }
+}
+
 /// Of a table of floats.
 template <class Real>
 HWY_INLINE Reals<Real> gather(const float* table, Ints<Real> index)
@@ -223,10 +237,11 @@ struct ExactValues
   {
     const RealTag<Real> d;
     constexpr int rows[4] = { 0, 5, 25, 30 };
+    const auto wide = asWideAsLanes<Real>(index);
     for (int r = 0; r < 4; ++r)
     {
-      lower[r] = hn::GatherIndex(d, values + rows[r], index);
-      upper[r] = hn::GatherIndex(d, values + rows[r] + 1, index);
+      lower[r] = hn::GatherIndex(d, values + rows[r], wide);
+      upper[r] = hn::GatherIndex(d, values + rows[r] + 1, wide);
     }
   }
 };
@@ -405,6 +420,21 @@ HWY_INLINE void integral(const VolumeTable::Integral* integrals, Real last, Real
   }
 }
 
+/// The same of the nearest entry alone, in full: sums have no digits for the most opaque ones, and cap them.
+template <class Real>
+HWY_INLINE void nearestEntry(
+  const TransferFunction::Entry* entries, Reals<Real> position, Reals<Real> (&mean)[4])
+{
+  const RealTag<Real> d;
+  const float* table = &entries->r;
+  const Ints<Real> entry = hn::ShiftLeft<2>(nearest<Real>(position));
+  mean[3] = hn::Mul(gather<Real>(table + 3, entry), hn::Set(d, std::numbers::ln2_v<Real>));
+  for (int c = 0; c < 3; ++c)
+  {
+    mean[c] = hn::Mul(mean[3], gather<Real>(table + c, entry));
+  }
+}
+
 /// Steps by the transfer function's integrals.
 template <class Real, class Values>
 HWY_INLINE void takeIntegrals(const VolumeTable& table, const Span<Real>& span, Real mostSamples,
@@ -420,8 +450,8 @@ HWY_INLINE void takeIntegrals(const VolumeTable& table, const Span<Real>& span, 
     // least, so that a spike crossed in many steps has no more and no less than its share.
     Reals<Real> position[2];
     sample(span, { i + Real(0.5), i + 1 }, values, toTable, lattice, position);
-    const Reals<Real> half =
-      hn::Max(hn::Mul(hn::Abs(hn::Sub(position[1], before)), hn::Set(d, Real(0.5))), hn::Set(d, Real(0.5)));
+    const Reals<Real> change = hn::Abs(hn::Sub(position[1], before));
+    const Reals<Real> half = hn::Max(hn::Mul(change, hn::Set(d, Real(0.5))), hn::Set(d, Real(0.5)));
     before = position[1];
     const Reals<Real> middle = hn::Add(position[0], hn::Set(d, Real(0.5)));
     Reals<Real> mean[4];
@@ -429,6 +459,18 @@ HWY_INLINE void takeIntegrals(const VolumeTable& table, const Span<Real>& span, 
     integral(table.integrals.data(), Real(table.last),
       hn::Max(hn::Sub(middle, half), hn::Set(d, toTable.first)),
       hn::Min(hn::Add(middle, half), hn::Set(d, toTable.last + 1)), mean);
+    if constexpr (std::is_same_v<Real, double>)
+    {
+      // A step far shorter than floats resolve may show what the sums cap. It is so small a part of an entry that many
+      // of them have no more than its share, either.
+      const Mask<Real> isShort = hn::Lt(change, hn::Set(d, Real(0x1p-6)));
+      Reals<Real> own[4];
+      nearestEntry<Real>(table.entries.data(), position[0], own);
+      for (int c = 0; c < 4; ++c)
+      {
+        mean[c] = hn::IfThenElse(isShort, own[c], mean[c]);
+      }
+    }
     const Reals<Real> extinction =
       hn::IfThenElseZero(hn::Lt(hn::Set(d, i), span.samples), hn::ZeroIfNegative(mean[3]));
     const Reals<Real> held = heldBack(

@@ -33,7 +33,10 @@ bool fits(const Field& field, const TransferFunction& transferFunction, double p
   const double scale = transferFunction.scale() * perEntry;
   // A block cannot count steps of a denormal hull: it must be a small part of an entry.
   constexpr double steep = 0.1 / std::numeric_limits<float>::min();
-  return width < large && low < large && scale < steep && (scale == 0. || scale > 1. / large);
+  // Where the field crosses the table: two farthest places would tell nothing of it.
+  const double reach = std::min(range.max - transferFunction.min(), transferFunction.min() - range.min);
+  return width < large && low < large && scale < steep && (scale == 0. || scale > 1. / large) &&
+    !(reach * scale > farthestPlace);
 }
 
 } // namespace

@@ -56,6 +56,9 @@ private:
   double mostExtinction_; // in the terms
 };
 
+/// What float lanes count of a place in the table that is farther from it. Doubles count all.
+constexpr double farthestPlace = 0x1p100;
+
 /// Width of a leaf of a level in diagonals of the domain; of the mean root where these differ.
 double relativeLeafWidth(const RootGrid& grid, int level);
 

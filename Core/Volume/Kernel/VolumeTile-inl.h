@@ -24,6 +24,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
@@ -80,9 +81,7 @@ public:
   void repeatInCache(int x0, int y0, Real position, int repeats)
   {
     const GroupMask active = makeRays(x0, y0);
-    record_ = {};
-    const Block block{ record_.values.data(), nullptr, { 0, position, position, position },
-      std::numeric_limits<Real>::max(), false };
+    const Block block = constantBlock(position, std::numeric_limits<Real>::max());
     // Around the point of the middle ray at half of its length, wide enough for all.
     constexpr int ray = tileRays / 2;
     const Real t = Real(0.5) * (begin_[0][ray] + std::min(end_[0][ray], begin_[0][ray] + 2));
@@ -332,11 +331,15 @@ private:
     return width < scene_.settings.levelOfDetailPixels * pixel;
   }
 
+  /// Float lanes sample blocks as they are kept. For double lanes each visit makes places in the table of them: without
+  /// a loop for steps there is half as much to compile.
+  static constexpr bool samplesSteps = std::is_same_v<Real, float>;
+
   /// A node's vertex values, ready for sampling.
   struct Block
   {
     const std::uint16_t* steps;
-    const Real* exact; // places in the table, not cut off at its ends; null unless steps are too coarse
+    const Real* exact; // places in the table, not cut off at its ends; null where steps are sampled
     ToTable<Real> toTable;
     Real variation; // of the extinction over the block's hull, per kernel unit
     bool preIntegrate;
@@ -346,6 +349,15 @@ private:
   bool isCoarse(const ToTable<Real>& t) const
   {
     return !(t.scale < 4 / BlockRecord::steps * scene_.table.last);
+  }
+
+  /// Whether a block can be kept: denormal numbers cannot count the steps of their hull, and no float the width of the
+  /// largest. Float lanes do not get such fields.
+  static bool hasSteps(const Range& range)
+  {
+    using Limits = std::numeric_limits<float>;
+    const float width = range.max - range.min;
+    return samplesSteps || width == 0.f || (width >= Limits::min() && width <= Limits::max());
   }
 
   /// Finds the values of a node's children or computes and keeps them. False when nothing of them is visible.
@@ -366,7 +378,7 @@ private:
     }
     if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
     {
-      if (!found.record)
+      if (!found.record && hasSteps(range))
       {
         writer_.keep(node, cells, values_);
       }
@@ -374,7 +386,9 @@ private:
     }
     const TransferFunction& tf = scene_.transferFunction;
     const VolumeTable& table = scene_.table;
-    const double scale = tf.scale() * table.perEntry;
+    // Beyond this no two floats share an entry, and products with their differences would overflow.
+    constexpr double steepest = 0x1p880;
+    const double scale = std::min(tf.scale() * table.perEntry, steepest);
     const double first = tf.position(range.min) * table.perEntry;
     const double last = tf.position(range.max) * table.perEntry;
     const double offset = (range.min - tf.min()) * scale;
@@ -390,7 +404,7 @@ private:
         scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
           leafWidth >
         pointSampleTolerance;
-    if (!found.record)
+    if (!found.record && hasSteps(range))
     {
       const BlockRecord* kept = writer_.keep(node, cells, values_);
       if (!kept)
@@ -400,18 +414,28 @@ private:
       }
       block.steps = kept->values.data();
     }
-    if (isCoarse(block.toTable))
+    if (isCoarse(block.toTable) || !hasSteps(range))
     {
       if (found.record)
       {
         compute(cells);
       }
       // Places in the table at once: a difference from a huge end of the hull would have lost the other values'
-      // digits. So far away, all that matters is that they are finite.
-      constexpr double far = 0x1p100;
+      // digits. So far away, all that matters to floats is that they are finite.
+      constexpr double far = std::is_same_v<Real, float> ? farthestPlace : std::numeric_limits<double>::max();
       for (std::size_t i = 0; i < values_.values.size(); ++i)
       {
         exact_[i] = static_cast<Real>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
+      }
+      block.exact = exact_;
+      block.toTable.scale = 1;
+      block.toTable.offset = 0;
+    }
+    else if constexpr (!samplesSteps)
+    {
+      for (std::size_t i = 0; i < values_.values.size(); ++i)
+      {
+        exact_[i] = block.steps[i] * block.toTable.scale + block.toTable.offset;
       }
       block.exact = exact_;
       block.toTable.scale = 1;
@@ -459,25 +483,31 @@ private:
       scene_.table.entries[static_cast<std::size_t>(positionOf(leaf))].extinction == 0.f;
   }
 
+  /// Of one place in the table.
+  Block constantBlock(Real position, Real variation) const noexcept
+  {
+    alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
+    return { noSteps.data(), samplesSteps ? nullptr : exact_, { 0, position, position, position }, variation,
+      false };
+  }
+
   /// A leaf whose value is the same everywhere in it.
   void integrateConstant(std::uint64_t leaf, const Box<Real>& box, GroupMask active)
   {
-    alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
-    const Real position = positionOf(leaf);
-    integrate({ noSteps.data(), nullptr, { 0, position, position, position }, 0, false }, box,
-      Lattice<Real>(box), active);
+    integrate(constantBlock(positionOf(leaf), 0), box, Lattice<Real>(box), active);
   }
 
   void integrate(const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, GroupMask active)
   {
-    if (block.exact)
+    if constexpr (samplesSteps)
     {
-      integrate(ExactValues<Real>{ block.exact }, block, box, lattice, active);
+      if (!block.exact)
+      {
+        integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
+        return;
+      }
     }
-    else
-    {
-      integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
-    }
+    integrate(ExactValues<Real>{ block.exact }, block, box, lattice, active);
   }
 
   template <class Values>
@@ -602,7 +632,7 @@ private:
     hn::Store(light.red, d, red_ + ray);
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
-    const Mask<Real> done = hn::Gt(light.opacity, hn::Set(d, opaque));
+    const Mask<Real> done = hn::Gt(light.opacity, hn::Set(d, Real(opaque)));
     int part = 0;
     do
     {

@@ -1,4 +1,4 @@
-#include "Volume/VolumeReference.h"
+#include "Support/VolumeReference.h"
 
 #include "Geometry/RayBox.h"
 #include "Geometry/Trilinear.h"
@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-namespace treeamr
+namespace treeamr::test
 {
 
 namespace
@@ -366,4 +366,4 @@ VolumeStatistics renderVolumeReference(const Field& field, const TransferFunctio
   return statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
 }
 
-} // namespace treeamr
+} // namespace treeamr::test

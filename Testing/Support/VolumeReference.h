@@ -1,0 +1,14 @@
+// The volume renderer in plain double precision, one ray and sample after the other, without what makes the kernels
+// fast: what they are tested against.
+#pragma once
+
+#include "Volume/Volume.h"
+
+namespace treeamr::test
+{
+
+/// Like Volume::render(), for arguments that it would take, with as many point samples in every leaf as asked for.
+VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image);
+
+} // namespace treeamr::test
