@@ -16,21 +16,9 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-VolumeStatistics RenderTilesFromOnePoint(
-  const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+VolumeLoops LoopsFromOnePoint()
 {
-  return renderRow<float, true>(scene, row, columnBegin, columnEnd);
-}
-
-void RenderGroupsFromOnePoint(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
-{
-  renderListed<float, true>(scene, groups, rgba);
-}
-
-VolumeStatistics RepeatInCacheFromOnePoint(
-  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
-{
-  return repeatRow<float, true>(scene, row, columns, position, repeats);
+  return loopsOf<float, true>();
 }
 
 } // namespace HWY_NAMESPACE
@@ -41,14 +29,11 @@ HWY_AFTER_NAMESPACE();
 namespace treeamr
 {
 
-HWY_EXPORT(RenderTilesFromOnePoint);
-HWY_EXPORT(RenderGroupsFromOnePoint);
-HWY_EXPORT(RepeatInCacheFromOnePoint);
+HWY_EXPORT(LoopsFromOnePoint);
 
 VolumeLoops volumeLoopsFromOnePoint()
 {
-  return { HWY_DYNAMIC_DISPATCH(RenderTilesFromOnePoint), HWY_DYNAMIC_DISPATCH(RenderGroupsFromOnePoint),
-    HWY_DYNAMIC_DISPATCH(RepeatInCacheFromOnePoint) };
+  return HWY_DYNAMIC_DISPATCH(LoopsFromOnePoint)();
 }
 
 } // namespace treeamr

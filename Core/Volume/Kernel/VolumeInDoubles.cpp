@@ -17,20 +17,9 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-VolumeStatistics RenderTilesInDoubles(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+VolumeLoops LoopsInDoubles()
 {
-  return renderRow<double, false>(scene, row, columnBegin, columnEnd);
-}
-
-void RenderGroupsInDoubles(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
-{
-  renderListed<double, false>(scene, groups, rgba);
-}
-
-VolumeStatistics RepeatInCacheInDoubles(
-  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
-{
-  return repeatRow<double, false>(scene, row, columns, position, repeats);
+  return loopsOf<double, false>();
 }
 
 } // namespace HWY_NAMESPACE
@@ -41,14 +30,11 @@ HWY_AFTER_NAMESPACE();
 namespace treeamr
 {
 
-HWY_EXPORT(RenderTilesInDoubles);
-HWY_EXPORT(RenderGroupsInDoubles);
-HWY_EXPORT(RepeatInCacheInDoubles);
+HWY_EXPORT(LoopsInDoubles);
 
 VolumeLoops volumeLoopsInDoubles()
 {
-  return { HWY_DYNAMIC_DISPATCH(RenderTilesInDoubles), HWY_DYNAMIC_DISPATCH(RenderGroupsInDoubles),
-    HWY_DYNAMIC_DISPATCH(RepeatInCacheInDoubles) };
+  return HWY_DYNAMIC_DISPATCH(LoopsInDoubles)();
 }
 
 } // namespace treeamr

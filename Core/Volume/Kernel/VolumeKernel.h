@@ -20,8 +20,9 @@ struct SceneFeatures
   bool categories = false;     // each leaf is one constant
 };
 
-/// The kernel counts, in floats or as `features` tell in doubles, from `reference`, in units that make the domain's diagonal 1, both as
-/// a length on the central ray and in data coordinates, so that neither offsets nor units cost it digits.
+/// The kernel counts, in floats unless its features tell otherwise, from `reference`, in units that make the domain's
+/// diagonal 1, both as a length on the central ray and in data coordinates, so that neither offsets nor units cost it
+/// digits.
 struct VolumeKernelScene
 {
   /// Refers to all of these. The table's integrals are wanted when the features tell so.

@@ -16,20 +16,9 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-VolumeStatistics RenderTilesOfAnyRays(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
+VolumeLoops LoopsOfAnyRays()
 {
-  return renderRow<float, false>(scene, row, columnBegin, columnEnd);
-}
-
-void RenderGroupsOfAnyRays(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
-{
-  renderListed<float, false>(scene, groups, rgba);
-}
-
-VolumeStatistics RepeatInCacheOfAnyRays(
-  const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
-{
-  return repeatRow<float, false>(scene, row, columns, position, repeats);
+  return loopsOf<float, false>();
 }
 
 } // namespace HWY_NAMESPACE
@@ -40,14 +29,11 @@ HWY_AFTER_NAMESPACE();
 namespace treeamr
 {
 
-HWY_EXPORT(RenderTilesOfAnyRays);
-HWY_EXPORT(RenderGroupsOfAnyRays);
-HWY_EXPORT(RepeatInCacheOfAnyRays);
+HWY_EXPORT(LoopsOfAnyRays);
 
 VolumeLoops volumeLoopsOfAnyRays()
 {
-  return { HWY_DYNAMIC_DISPATCH(RenderTilesOfAnyRays), HWY_DYNAMIC_DISPATCH(RenderGroupsOfAnyRays),
-    HWY_DYNAMIC_DISPATCH(RepeatInCacheOfAnyRays) };
+  return HWY_DYNAMIC_DISPATCH(LoopsOfAnyRays)();
 }
 
 } // namespace treeamr

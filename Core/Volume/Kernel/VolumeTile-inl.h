@@ -662,7 +662,7 @@ private:
 };
 
 template <class Real, bool CommonOrigin>
-VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, Real position, int repeats)
+VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
   Tile<Real, CommonOrigin> tile(scene);
   for (int column = 0; column < columns; ++column)
@@ -701,6 +701,12 @@ VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBe
     tile.render(column * volumeTileWidth, row * volumeTileWidth);
   }
   return tile.statistics();
+}
+
+template <class Real, bool CommonOrigin>
+VolumeLoops loopsOf()
+{
+  return { renderRow<Real, CommonOrigin>, renderListed<Real, CommonOrigin>, repeatRow<Real, CommonOrigin> };
 }
 
 } // namespace HWY_NAMESPACE
