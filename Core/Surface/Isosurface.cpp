@@ -321,6 +321,7 @@ void Isosurface::render(
       impl_->intersection.finish(tile);
     }
     std::vector<SurfaceHit>& found = parts[tiles.number(i, j)];
+    found.reserve(tile.hitCount());
     for (int k = 0; k < tile.count; ++k)
     {
       const RayHits& hits = tile.hits[k];

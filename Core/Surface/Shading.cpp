@@ -52,7 +52,6 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
   const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit, float opacity) noexcept
 {
   std::array<double, 3> sum{ material.ambient[0], material.ambient[1], material.ambient[2] };
-  const bool shines = material.specular != std::array<float, 3>{};
   for (std::size_t l = 0; l < lights.size(); ++l)
   {
     const Light& light = lights[l];
@@ -68,7 +67,7 @@ std::array<float, 3> shade(const Material& material, const std::vector<Light>& l
     {
       sum[c] += strength * light.color[c] * cosine * material.diffuse[c];
     }
-    if (!shines)
+    if (!shines(material))
     {
       continue;
     }

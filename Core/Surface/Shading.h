@@ -19,6 +19,12 @@ struct Material
   float specularPower = 1.f;
 };
 
+/// Whether it has highlights.
+inline bool shines(const Material& material) noexcept
+{
+  return material.specular != std::array<float, 3>{};
+}
+
 /// In the coordinates of the points that it shines on.
 struct Light
 {
@@ -37,7 +43,7 @@ struct Light
   bool operator==(const Light&) const = default;
 };
 
-/// normal and toEye: unit length. lit: of each light, whether nothing stands
+/// normal and toEye: unit length; toEye: of materials that shine. lit: of each light, whether nothing stands
 /// before it, else the part `opacity` of it is lost; null: all are lit. Returns linear RGB, clamped to [0, 1].
 std::array<float, 3> shade(const Material& material, const std::vector<Light>& lights, const Vec3& point,
   const Vec3& normal, const Vec3& toEye, const std::uint8_t* lit = nullptr, float opacity = 1.f) noexcept;

@@ -24,6 +24,8 @@ public:
     determinant_ = dot(x, cofactors_[0]);
   }
 
+  /// Rows of the matrix that takes gradients to normals, up to the determinant.
+  const std::array<Vec3, 3>& cofactors() const noexcept { return cofactors_; }
   Vec3 worldPoint(const Vec3& p) const noexcept
   {
     const Vec3 v = worldVector(p);

@@ -172,6 +172,12 @@ SurfaceShader::SurfaceShader(const HitImage& hits, const Camera& camera, Surface
   , visibility_(&visibility)
   , colors_(std::move(colors))
 {
+  const auto isSimple = [](const Material& material) { return !shines(material); };
+  lightsTogether_ = visibility.lit.empty() && isSimple(appearance_.material) &&
+    std::all_of(appearance_.surfaces.begin(), appearance_.surfaces.end(),
+      [&](const SurfaceMaterial& surface) { return isSimple(surface.material); }) &&
+    std::none_of(appearance_.lights.begin(), appearance_.lights.end(),
+      [](const Light& light) { return light.positional; });
 }
 
 Sight SurfaceShader::sight(std::size_t pixel) const noexcept
@@ -181,30 +187,29 @@ Sight SurfaceShader::sight(std::size_t pixel) const noexcept
   return { ray, { -away[0], -away[1], -away[2] } };
 }
 
-std::array<float, 4> SurfaceShader::operator()(std::size_t i, const Sight& sight) const noexcept
+SurfaceMaterial SurfaceShader::materialOf(std::size_t i) const noexcept
 {
   const SurfaceHit& hit = hits_->hits[i];
-  const Vec3 point = frame_.worldPoint(pointAt(sight.ray, hit.t));
-  const bool own = !appearance_.surfaces.empty();
-  Material material = own ? appearance_.surfaces[hit.surface].material : appearance_.material;
-  float opacity = own ? appearance_.surfaces[hit.surface].opacity : appearance_.opacity;
+  SurfaceMaterial own = appearance_.surfaces.empty()
+    ? SurfaceMaterial{ appearance_.material, appearance_.opacity }
+    : appearance_.surfaces[hit.surface];
   if (colors_)
   {
     const unsigned char* const rgba = colors_.at(hits_->hits, i);
     for (int c = 0; c < 3; ++c)
     {
       const float channel = rgba[c] / 255.f;
-      material.ambient[c] = appearance_.ambientOfColors * channel;
-      material.diffuse[c] = appearance_.diffuseOfColors * channel;
+      own.material.ambient[c] = appearance_.ambientOfColors * channel;
+      own.material.diffuse[c] = appearance_.diffuseOfColors * channel;
     }
-    opacity *= appearance_.opaque ? 1.f : rgba[3] / 255.f;
+    own.opacity *= appearance_.opaque ? 1.f : rgba[3] / 255.f;
   }
-  const Vec3 normal = appearance_.flat ? frame_.worldNormal(hit.gradient, sight.toEye)
-                                       : frame_.shadingNormal(hit.gradient, hit.normal, sight.toEye);
-  // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
-  const Vec3 toEye = normalized({ -point[0], -point[1], -point[2] });
-  std::array<float, 3> rgb = shade(material, appearance_.lights, point, normal, toEye,
-    visibility_->lit.empty() ? nullptr : &visibility_->lit[appearance_.lights.size() * i], opacity);
+  return own;
+}
+
+std::array<float, 4> SurfaceShader::openTo(
+  std::size_t i, std::array<float, 3> rgb, float opacity) const noexcept
+{
   if (!visibility_->open.empty())
   {
     for (float& channel : rgb)
@@ -213,6 +218,55 @@ std::array<float, 4> SurfaceShader::operator()(std::size_t i, const Sight& sight
     }
   }
   return { rgb[0], rgb[1], rgb[2], opacity };
+}
+
+std::array<float, 4> SurfaceShader::operator()(std::size_t i, const Sight& sight) const noexcept
+{
+  const SurfaceHit& hit = hits_->hits[i];
+  const Vec3 point = frame_.worldPoint(pointAt(sight.ray, hit.t));
+  const auto [material, opacity] = materialOf(i);
+  const Vec3 normal = appearance_.flat ? frame_.worldNormal(hit.gradient, sight.toEye)
+                                       : frame_.shadingNormal(hit.gradient, hit.normal, sight.toEye);
+  // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
+  const Vec3 toEye = shines(material) ? normalized({ -point[0], -point[1], -point[2] }) : Vec3{};
+  return openTo(i,
+    shade(material, appearance_.lights, point, normal, toEye,
+      visibility_->lit.empty() ? nullptr : &visibility_->lit[appearance_.lights.size() * i], opacity),
+    opacity);
+}
+
+void SurfaceShader::operator()(
+  std::size_t first, const Sight& sight, std::span<std::array<float, 4>> colors) const noexcept
+{
+  if (!lightsTogether_ || colors.size() < 2)
+  {
+    for (std::size_t k = 0; k < colors.size(); ++k)
+    {
+      colors[k] = (*this)(first + k, sight);
+    }
+    return;
+  }
+  HitsToLight lit;
+  std::array<float, HitsToLight::most> opacities;
+  for (; lit.count < static_cast<int>(colors.size()); ++lit.count)
+  {
+    const int k = lit.count;
+    const SurfaceHit& hit = hits_->hits[first + k];
+    const auto [material, opacity] = materialOf(first + k);
+    opacities[k] = opacity;
+    for (int a = 0; a < 3; ++a)
+    {
+      lit.gradient[a][k] = hit.gradient[a];
+      lit.normal[a][k] = hit.normal[a];
+      lit.ambient[a][k] = material.ambient[a];
+      lit.diffuse[a][k] = material.diffuse[a];
+    }
+  }
+  lightHits(frame_, appearance_.lights, appearance_.flat, sight.toEye, lit);
+  for (int k = 0; k < lit.count; ++k)
+  {
+    colors[k] = openTo(first + k, { lit.rgb[0][k], lit.rgb[1][k], lit.rgb[2][k] }, opacities[k]);
+  }
 }
 
 std::array<float, 2> SurfaceShader::depthSlope(std::size_t i, const Sight& sight) const noexcept
@@ -248,6 +302,7 @@ void LayerWalk::start(std::size_t pixel)
     const HitImage& hits = source.shader->hits();
     source.hit = hits.first[pixel];
     source.end = hits.first[pixel + 1];
+    source.endOfColors = source.hit;
     if (source.hit != source.end)
     {
       source.sight = source.shader->sight(pixel);
@@ -286,10 +341,17 @@ double LayerWalk::t(const Camera& camera, const Ray& ray) const noexcept
   return isSame ? source.shader->hits().hits[source.hit].t : camera.tFromDepth(ray, source.depth);
 }
 
-std::array<float, 4> LayerWalk::rgba() const noexcept
+std::array<float, 4> LayerWalk::rgba() noexcept
 {
-  const Source& source = sources_[current_];
-  return (*source.shader)(source.hit, source.sight);
+  Source& source = sources_[current_];
+  if (source.hit >= source.endOfColors)
+  {
+    const std::size_t count = std::min(source.colors.size(), source.end - source.hit);
+    (*source.shader)(source.hit, source.sight, std::span(source.colors).first(count));
+    source.beginOfColors = source.hit;
+    source.endOfColors = source.hit + count;
+  }
+  return source.colors[source.hit - source.beginOfColors];
 }
 
 std::array<float, 2> LayerWalk::depthSlope() const noexcept

@@ -33,6 +33,7 @@ public:
   HitColors() = default;
   HitColors(vtkSmartPointer<vtkUnsignedCharArray> rgba, Per per)
     : rgba_(std::move(rgba))
+    , values_(rgba_->GetPointer(0))
     , per_(per)
   {
   }
@@ -40,11 +41,12 @@ public:
   /// Of hits[i].
   const unsigned char* at(std::span<const SurfaceHit> hits, std::size_t i) const
   {
-    return rgba_->GetPointer(4 * static_cast<vtkIdType>(per_ == Per::Surface ? hits[i].surface : i));
+    return values_ + 4 * (per_ == Per::Surface ? hits[i].surface : i);
   }
 
 private:
   vtkSmartPointer<vtkUnsignedCharArray> rgba_;
+  const unsigned char* values_ = nullptr; // its
   Per per_ = Per::Hit;
 };
 

@@ -16,36 +16,6 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-/// normalized() for vectors of vectors.
-HWY_INLINE std::array<Doubles, 3> normalizedVectors(const std::array<Doubles, 3>& v)
-{
-  const Tag d;
-  const Doubles square = hn::Add(hn::Add(hn::Mul(v[0], v[0]), hn::Mul(v[1], v[1])), hn::Mul(v[2], v[2]));
-  const Doubles length = hn::Sqrt(square);
-  std::array<Doubles, 3> n{ hn::Div(v[0], length), hn::Div(v[1], length), hn::Div(v[2], length) };
-  if (!hn::AllTrue(d, hn::And(hn::Gt(square, set(1e-280)), hn::Lt(square, set(1e300)))))
-  {
-    HWY_ALIGN double from[3][lanes];
-    for (int a = 0; a < 3; ++a)
-    {
-      hn::Store(v[a], d, from[a]);
-    }
-    for (int lane = 0; lane < lanes; ++lane)
-    {
-      const Vec3 one = normalized({ from[0][lane], from[1][lane], from[2][lane] });
-      for (int a = 0; a < 3; ++a)
-      {
-        from[a][lane] = one[a];
-      }
-    }
-    for (int a = 0; a < 3; ++a)
-    {
-      n[a] = hn::Load(d, from[a]);
-    }
-  }
-  return n;
-}
-
 void FindNormals(const Vec3& width, HitPlaces& hits)
 {
   const Tag d;

@@ -17,8 +17,6 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-using Vectors3 = std::array<Doubles, 3>;
-
 /// The sum of three products and the offset, in this order.
 HWY_INLINE Doubles affine(const double* m, Doubles x, Doubles y, Doubles z, Doubles offset)
 {

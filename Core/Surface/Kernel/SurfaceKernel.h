@@ -1,9 +1,11 @@
 // Many rays through the octants of blocks of leaves at once, vectorised with Highway and compiled once for each
-// instruction set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots() and gradientsAt() on all; the best is
+// instruction set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots(), gradientsAt() and shade() on all; the best is
 // chosen when the program runs. Each stage packs what it found, so that the next one has no idle lanes.
 #pragma once
 
 #include "Surface/BlockWalk.h"
+#include "Surface/Shading.h"
+#include "Surface/SurfaceFrame.h"
 
 #include <array>
 #include <cstdint>
@@ -197,5 +199,22 @@ struct HitPlaces
 
 /// Finds the gradients. width: of the planes' units, in data coordinates.
 void findNormals(const Vec3& width, HitPlaces& hits) noexcept;
+
+/// Hits to be lit, by component: of one ray, without highlights.
+struct HitsToLight
+{
+  static constexpr int most = 8;
+  using Component = std::array<double, most>;
+  int count = 0;
+  alignas(64) std::array<Component, 3> gradient; // as SurfaceHit's
+  alignas(64) std::array<Component, 3> normal;
+  alignas(64) std::array<Component, 3> ambient; // as Material's
+  alignas(64) std::array<Component, 3> diffuse;
+  alignas(64) std::array<std::array<float, most>, 3> rgb; // what shade() finds by SurfaceFrame's normal
+};
+
+/// Lights them; lights: without a position. flat: by the gradients alone.
+void lightHits(const SurfaceFrame& frame, std::span<const Light> lights, bool flat, const Vec3& toEye,
+  HitsToLight& hits) noexcept;
 
 } // namespace treeamr

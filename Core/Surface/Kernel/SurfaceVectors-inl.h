@@ -6,6 +6,8 @@
 #define TREEAMR_SURFACEVECTORS_INL_H
 #endif
 
+#include "Geometry/Vec3.h"
+
 #include <hwy/highway.h>
 
 #include <array>
@@ -110,6 +112,48 @@ private:
   std::uint32_t bits_ = 0;
   decltype(hn::IndicesFromVec(Tag(), Integers())) indices_;
 };
+
+using Vectors3 = std::array<Doubles, 3>;
+
+HWY_INLINE Doubles dotVectors(const Vectors3& a, const Vectors3& b)
+{
+  return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
+}
+
+HWY_INLINE Vectors3 setVectors(const Vec3& v)
+{
+  return { set(v[0]), set(v[1]), set(v[2]) };
+}
+
+/// normalized() for vectors of vectors.
+HWY_INLINE Vectors3 normalizedVectors(const Vectors3& v)
+{
+  const Tag d;
+  const Doubles square = dotVectors(v, v);
+  const Doubles length = hn::Sqrt(square);
+  Vectors3 n{ hn::Div(v[0], length), hn::Div(v[1], length), hn::Div(v[2], length) };
+  if (!hn::AllTrue(d, hn::And(hn::Gt(square, set(1e-280)), hn::Lt(square, set(1e300)))))
+  {
+    HWY_ALIGN double from[3][lanes];
+    for (int a = 0; a < 3; ++a)
+    {
+      hn::Store(v[a], d, from[a]);
+    }
+    for (int lane = 0; lane < lanes; ++lane)
+    {
+      const Vec3 one = normalized({ from[0][lane], from[1][lane], from[2][lane] });
+      for (int a = 0; a < 3; ++a)
+      {
+        from[a][lane] = one[a];
+      }
+    }
+    for (int a = 0; a < 3; ++a)
+    {
+      n[a] = hn::Load(d, from[a]);
+    }
+  }
+  return n;
+}
 
 } // namespace HWY_NAMESPACE
 } // namespace treeamr

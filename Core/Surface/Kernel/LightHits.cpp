@@ -1,0 +1,117 @@
+// The light of many hits of a ray: SurfaceFrame::shadingNormal() and shade() for vectors of them.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "Surface/Kernel/LightHits.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h: the rest is compiled once for each target.
+#include "Surface/Kernel/SurfaceKernel.h"
+#include "Surface/Kernel/SurfaceVectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+HWY_INLINE Vectors3 select(Mask mask, const Vectors3& yes, const Vectors3& no)
+{
+  return { hn::IfThenElse(mask, yes[0], no[0]), hn::IfThenElse(mask, yes[1], no[1]),
+    hn::IfThenElse(mask, yes[2], no[2]) };
+}
+
+HWY_INLINE Mask isZero(const Vectors3& v)
+{
+  const Doubles zero = hn::Zero(Tag());
+  return hn::And(hn::And(hn::Eq(v[0], zero), hn::Eq(v[1], zero)), hn::Eq(v[2], zero));
+}
+
+/// SurfaceFrame::worldNormal().
+HWY_INLINE Vectors3 worldNormals(const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& side)
+{
+  Vectors3 inWorld;
+  for (int r = 0; r < 3; ++r)
+  {
+    inWorld[r] = dotVectors(setVectors(frame.cofactors()[r]), gradient);
+  }
+  const Vectors3 n = normalizedVectors(inWorld);
+  const Mask isAway = hn::Lt(dotVectors(n, side), hn::Zero(Tag()));
+  return select(isZero(n), side, select(isAway, { hn::Neg(n[0]), hn::Neg(n[1]), hn::Neg(n[2]) }, n));
+}
+
+/// SurfaceFrame::shadingNormal().
+HWY_INLINE Vectors3 shadingNormals(
+  const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& normal, const Vectors3& toEye)
+{
+  const Tag d;
+  const Vectors3 side = worldNormals(frame, gradient, toEye);
+  const Vectors3 n = worldNormals(frame, normal, side);
+  const Doubles towards = dotVectors(n, toEye);
+  const Mask isSeen = hn::Ge(towards, hn::Zero(d));
+  if (hn::AllTrue(d, isSeen))
+  {
+    return n;
+  }
+  Vectors3 across;
+  for (int a = 0; a < 3; ++a)
+  {
+    // Of the others nothing that takes the slow way.
+    across[a] = hn::IfThenElse(isSeen, n[a], hn::Sub(n[a], hn::Mul(towards, toEye[a])));
+  }
+  across = normalizedVectors(across);
+  return select(isSeen, n, select(isZero(across), side, across));
+}
+
+void LightHits(
+  const SurfaceFrame& frame, std::span<const Light> lights, bool flat, const Vec3& toEye, HitsToLight& hits)
+{
+  const Tag d;
+  const hn::Rebind<float, Tag> df;
+  const Vectors3 eye = setVectors(toEye);
+  for (int i = 0; i < hits.count; i += lanes)
+  {
+    const Mask valid = hn::FirstN(d, static_cast<std::size_t>(hits.count - i));
+    const auto load = [&](const std::array<HitsToLight::Component, 3>& from) {
+      const auto at = [&](int a) { return hn::IfThenElse(valid, hn::Load(d, &from[a][i]), set(1.)); };
+      return Vectors3{ at(0), at(1), at(2) };
+    };
+    const Vectors3 gradient = load(hits.gradient);
+    const Vectors3 normal =
+      flat ? worldNormals(frame, gradient, eye) : shadingNormals(frame, gradient, load(hits.normal), eye);
+    const Vectors3 diffuse = load(hits.diffuse);
+    Vectors3 sum = load(hits.ambient);
+    for (const Light& light : lights)
+    {
+      const Doubles cosine = hn::Neg(dotVectors(normal, setVectors(light.direction)));
+      const Mask isLit = hn::Gt(cosine, hn::Zero(d));
+      for (int c = 0; c < 3; ++c)
+      {
+        const Doubles reflected = hn::Mul(hn::Mul(set(light.color[c]), cosine), diffuse[c]);
+        sum[c] = hn::IfThenElse(isLit, hn::Add(sum[c], reflected), sum[c]);
+      }
+    }
+    for (int c = 0; c < 3; ++c)
+    {
+      const Doubles low = hn::IfThenElse(hn::Lt(sum[c], hn::Zero(d)), hn::Zero(d), sum[c]);
+      const Doubles both = hn::IfThenElse(hn::Lt(set(1.), low), set(1.), low);
+      hn::Store(hn::DemoteTo(df, both), df, &hits.rgb[c][i]);
+    }
+  }
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace treeamr
+{
+
+HWY_EXPORT(LightHits);
+
+void lightHits(const SurfaceFrame& frame, std::span<const Light> lights, bool flat, const Vec3& toEye,
+  HitsToLight& hits) noexcept
+{
+  HWY_DYNAMIC_DISPATCH(LightHits)(frame, lights, flat, toEye, hits);
+}
+
+} // namespace treeamr
+#endif
