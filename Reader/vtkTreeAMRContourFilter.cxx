@@ -146,6 +146,22 @@ vtkSmartPointer<vtkDataArray> NewPointArray(vtkDataArray* cells, int components,
   return array;
 }
 
+/// The isovalue of each point, as the array that is contoured would hold it.
+vtkSmartPointer<vtkDataArray> Isovalues(
+  vtkDataArray* contoured, const std::vector<Surface>& surfaces, vtkIdType points)
+{
+  vtkSmartPointer<vtkDataArray> values = NewPointArray(contoured, 1, points);
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+  {
+    const vtkIdType end = i + 1 < surfaces.size() ? surfaces[i + 1].FirstPoint : points;
+    for (vtkIdType p = surfaces[i].FirstPoint; p < end; ++p)
+    {
+      values->SetComponent(p, 0, surfaces[i].Value);
+    }
+  }
+  return values;
+}
+
 /// For a field that cuts other cells from the octree than the contoured one.
 std::vector<float> SampleEach(
   const std::shared_ptr<const treeamr::Field>& field, const std::vector<std::array<double, 3>>& points)
@@ -347,16 +363,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   vtkPointData* pointData = output->GetPointData();
   if (this->ComputeScalars)
   {
-    const vtkSmartPointer<vtkDataArray> scalars = NewPointArray(contoured, 1, points);
-    for (std::size_t i = 0; i < surfaces.size(); ++i)
-    {
-      const vtkIdType end = i + 1 < surfaces.size() ? surfaces[i + 1].FirstPoint : points;
-      for (vtkIdType p = surfaces[i].FirstPoint; p < end; ++p)
-      {
-        scalars->SetComponent(p, 0, surfaces[i].Value);
-      }
-    }
-    pointData->SetScalars(scalars);
+    pointData->SetScalars(Isovalues(contoured, surfaces, points));
   }
   if (this->ComputeGradients)
   {

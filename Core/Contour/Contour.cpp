@@ -316,6 +316,66 @@ bool isDegenerate(const std::array<std::int64_t, 3>& triangle) noexcept
   return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
 }
 
+/// Puts a part's own points where the mesh has them, and keeps the blocks that have some. sums: of gradients, or none.
+void placePoints(const PointNumbers& numbers, std::int64_t first,
+  const std::vector<std::array<double, 4>>& sums, ContourPart& part, ContourMesh& mesh)
+{
+  std::vector<ContourMesh::Block> blocks; // that have points of their own
+  auto block = part.blocks.begin();
+  for (std::size_t p = 0; p < part.points.size(); ++p)
+  {
+    const std::int64_t found = first + static_cast<std::int64_t>(p);
+    if (!numbers.isOwn(found))
+    {
+      continue;
+    }
+    const std::int64_t number = numbers(found);
+    mesh.points[number] = part.points[p];
+    for (int a = 0; !sums.empty() && a < 3; ++a)
+    {
+      mesh.gradients[number][a] = sums[found][a] / sums[found][3];
+    }
+    bool isFirst = blocks.empty();
+    while (block + 1 != part.blocks.end() && (block + 1)->firstPoint <= static_cast<std::int64_t>(p))
+    {
+      ++block;
+      isFirst = true;
+    }
+    if (isFirst)
+    {
+      blocks.push_back({ block->index, block->depth, number });
+    }
+  }
+  part.blocks = std::move(blocks);
+  part.points = {};
+}
+
+/// Gives triangles and lines of a part the numbers of their points; whether a triangle has one of them twice.
+bool placeTriangles(const PointNumbers& numbers, std::int64_t first, std::int64_t firstValue,
+  ContourPart& part, std::array<std::int64_t, 3>* triangle)
+{
+  bool degenerate = false;
+  for (const auto& points : part.triangles)
+  {
+    *triangle = { numbers(first + points[0]), numbers(first + points[1]), numbers(first + points[2]) };
+    degenerate = isDegenerate(*triangle++) || degenerate;
+  }
+  part.triangles = {};
+  for (TransitionLine& line : part.lines)
+  {
+    if (line.face == TransitionLine::valuesFace)
+    {
+      line.from += firstValue;
+      continue;
+    }
+    for (std::int64_t* point : { &line.from, &line.to })
+    {
+      *point = *point == TransitionLine::none ? *point : numbers(first + *point);
+    }
+  }
+  return degenerate;
+}
+
 /// Numbers the points of all parts, in their order, and empties the parts but for the lines and octants.
 ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
 {
@@ -335,37 +395,7 @@ ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
   ContourMesh mesh;
   mesh.points.resize(numbers.count());
   mesh.gradients.resize(sums.empty() ? 0 : numbers.count());
-  forParts([&](std::size_t i) {
-    ContourPart& part = parts[i];
-    std::vector<ContourMesh::Block> blocks; // that have points of their own
-    auto block = part.blocks.begin();
-    for (std::size_t p = 0; p < part.points.size(); ++p)
-    {
-      const std::int64_t found = numbers.first(i) + static_cast<std::int64_t>(p);
-      if (!numbers.isOwn(found))
-      {
-        continue;
-      }
-      const std::int64_t number = numbers(found);
-      mesh.points[number] = part.points[p];
-      for (int a = 0; !sums.empty() && a < 3; ++a)
-      {
-        mesh.gradients[number][a] = sums[found][a] / sums[found][3];
-      }
-      bool isFirst = blocks.empty();
-      while (block + 1 != part.blocks.end() && (block + 1)->firstPoint <= static_cast<std::int64_t>(p))
-      {
-        ++block;
-        isFirst = true;
-      }
-      if (isFirst)
-      {
-        blocks.push_back({ block->index, block->depth, number });
-      }
-    }
-    part.blocks = std::move(blocks);
-    part.points = {};
-  });
+  forParts([&](std::size_t i) { placePoints(numbers, numbers.first(i), sums, parts[i], mesh); });
   mesh.blocks = concatenated(parts, &ContourPart::blocks);
 
   std::vector<std::size_t> firstTriangle{ 0 };
@@ -378,29 +408,10 @@ ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
   mesh.triangles.resize(firstTriangle.back());
   std::atomic<bool> degenerate{ false };
   forParts([&](std::size_t i) {
-    ContourPart& part = parts[i];
-    const std::int64_t first = numbers.first(i);
-    auto* triangle = mesh.triangles.data() + firstTriangle[i];
-    for (const auto& points : part.triangles)
+    if (placeTriangles(
+          numbers, numbers.first(i), firstValues[i], parts[i], mesh.triangles.data() + firstTriangle[i]))
     {
-      *triangle = { numbers(first + points[0]), numbers(first + points[1]), numbers(first + points[2]) };
-      if (isDegenerate(*triangle++))
-      {
-        degenerate = true;
-      }
-    }
-    part.triangles = {};
-    for (TransitionLine& line : part.lines)
-    {
-      if (line.face == TransitionLine::valuesFace)
-      {
-        line.from += firstValues[i];
-        continue;
-      }
-      for (std::int64_t* point : { &line.from, &line.to })
-      {
-        *point = *point == TransitionLine::none ? *point : numbers(first + *point);
-      }
+      degenerate = true;
     }
   });
   if (degenerate)

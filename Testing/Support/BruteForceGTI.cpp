@@ -111,9 +111,8 @@ bool BruteForceGTI::isRefined(int level, const std::array<Coord, 3>& index) cons
   return node && !node->leaf;
 }
 
-std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
+int BruteForceGTI::coarsestAround(const Vertex& v) const
 {
-  // Step 1: the coarsest leaf that touches v, looked for on all eight sides of it.
   int coarsest = finest_ + 1;
   for (int level = finest_; level >= 0; --level)
   {
@@ -128,6 +127,49 @@ std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
       coarsest = node && node->leaf ? level : coarsest;
     }
   }
+  return coarsest;
+}
+
+BruteForceGTI::Datum BruteForceGTI::datumOf(
+  int level, const std::array<Coord, 3>& index, const Vertex& v) const
+{
+  const Node* node = find(level, index);
+  if (!node)
+  {
+    return { std::nullopt, 0.5, false };
+  }
+  if (node->leaf)
+  {
+    return { node->leaf->value, 0.5, true };
+  }
+  double sum = 0.;
+  int count = 0;
+  bool isWhole = true;
+  for (int o = 0; o < 8; ++o)
+  {
+    std::array<Coord, 3> child;
+    bool touches = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      child[a] = 2 * index[a] + (o >> a & 1);
+      touches = touches && child[a] * width(level + 1) <= v[a] && v[a] <= (child[a] + 1) * width(level + 1);
+    }
+    const Node* c = touches ? find(level + 1, child) : nullptr;
+    isWhole = isWhole && (!touches || (c && c->volume == std::ldexp(1., -3 * (level + 1))));
+    sum += c ? c->sum / c->volume : 0.;
+    count += c != nullptr;
+  }
+  if (count == 0)
+  {
+    return { std::nullopt, 0.5, false };
+  }
+  return { sum / count, octantRule_ ? 0.5 : 0.25, isWhole };
+}
+
+std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
+{
+  // Step 1: the coarsest leaf that touches v, looked for on all eight sides of it.
+  const int coarsest = coarsestAround(v);
   if (coarsest > finest_)
   {
     return std::nullopt;
@@ -177,44 +219,14 @@ std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
       index[axes[d]] -= upper ? 0 : 1;
       sign.push_back(upper ? 1. : -1.);
     }
-    const Node* node = find(coarsest, index);
-    std::optional<double> value;
-    double distance = 0.5;
-    if (node && node->leaf)
-    {
-      value = node->leaf->value;
-    }
-    else if (node)
-    {
-      double sum = 0.;
-      int count = 0;
-      for (int o = 0; o < 8; ++o)
-      {
-        std::array<Coord, 3> child;
-        bool touches = true;
-        for (int a = 0; a < 3; ++a)
-        {
-          child[a] = 2 * index[a] + (o >> a & 1);
-          touches = touches && child[a] * half <= v[a] && v[a] <= (child[a] + 1) * half;
-        }
-        const Node* c = touches ? find(coarsest + 1, child) : nullptr;
-        incomplete = incomplete || (touches && !(c && c->volume == std::ldexp(1., -3 * (coarsest + 1))));
-        sum += c ? c->sum / c->volume : 0.;
-        count += c != nullptr;
-      }
-      if (count > 0)
-      {
-        value = sum / count;
-        distance = octantRule_ ? 0.5 : 0.25;
-      }
-    }
-    incomplete = incomplete || !value;
+    const Datum datum = datumOf(coarsest, index, v);
+    incomplete = incomplete || !datum.isWhole;
     for (double& x : sign)
     {
-      x *= distance;
+      x *= datum.distance;
     }
     points.push_back(sign);
-    data.push_back(value);
+    data.push_back(datum.value);
   }
   if (gap && incomplete)
   {

@@ -45,6 +45,16 @@ private:
   using Key = std::array<Coord, 4>; // level, i, j, k
   const Node* find(int level, const std::array<Coord, 3>& index) const;
   Coord width(int level) const { return Coord(2) << (finest_ - level); }
+  /// Level of the coarsest leaf that touches v, beyond the finest when there is none.
+  int coarsestAround(const Vertex& v) const;
+  /// What a cell of a level gives a vertex that it touches: its value, or the mean of its children there.
+  struct Datum
+  {
+    std::optional<double> value;
+    double distance = 0.5; // of its place from the vertex along each axis, in widths of the cell
+    bool isWhole = true;   // all of it is there
+  };
+  Datum datumOf(int level, const std::array<Coord, 3>& index, const Vertex& v) const;
 
   std::array<int, 3> roots_;
   bool octantRule_;

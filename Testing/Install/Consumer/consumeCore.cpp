@@ -91,7 +91,7 @@ int main()
     treeamr::RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 1., 1., 1. }), std::move(cells));
   const auto field = std::make_shared<const treeamr::Field>(built.octree, std::move(built.values));
   const treeamr::Camera camera = lookingAlongZ();
-  bool good = writeBall("core-volume.ppm", volumeOf(*field, camera), 0.5 * 1.8 * radius);
+  bool good = writeBall("core-volume.ppm", volumeOf(field, camera), 0.5 * 1.8 * radius);
   good = writeBall("core-isosurface.ppm", surfaceOf(field, camera), 0.5 * 1.8 * radius) && good;
 
   treeamr::FieldSample sample;
