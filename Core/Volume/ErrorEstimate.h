@@ -45,7 +45,7 @@ private:
   VolumeSettings settings_;
   std::vector<PixelGroup> groups_;
   std::vector<double> weights_;  // by group: of its squared errors in those of the image
-  std::vector<float> converged_; // by group, as renderPixelGroups() gives it
+  std::vector<float> converged_; // by group, as Volume::renderGroups() gives it
   double convergedSamples_ = 0.; // per cell
   double error_ = 0.;
 };

@@ -82,7 +82,6 @@ Volume::Volume(std::shared_ptr<const Field> field, TransferFunction transferFunc
     throw Error("volume: no field");
   }
   check(*field_, transferFunction_);
-  kept_ = std::make_unique<BlockCache>(*field_, budget_);
 }
 
 Volume::~Volume() = default;
@@ -100,15 +99,14 @@ void Volume::setKeptBytes(std::size_t bytes)
 {
   if (bytes != budget_)
   {
-    kept_ = nullptr; // before the new one is allocated
-    kept_ = std::make_unique<BlockCache>(*field_, bytes);
+    kept_ = nullptr;
     budget_ = bytes;
   }
 }
 
 std::size_t Volume::keptBytes() const noexcept
 {
-  return kept_->byteSize();
+  return kept_ ? kept_->byteSize() : 0;
 }
 
 VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& settings, Image* image)
@@ -119,6 +117,10 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   if (!table_ || table_->worldMagnitude() != worldMagnitude)
   {
     table_ = std::make_unique<VolumeTable>(*field_, transferFunction_, worldMagnitude);
+  }
+  if (!kept_)
+  {
+    kept_ = std::make_unique<BlockCache>(*field_, budget_);
   }
   VolumeKernelScene scene(*field_, transferFunction_, *table_, view, settings, *kept_, image);
   if (scene.features.preIntegration)

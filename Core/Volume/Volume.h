@@ -78,7 +78,7 @@ private:
   TransferFunction transferFunction_;
   std::unique_ptr<VolumeTable> table_; // of the last frame; null: of another function
   std::size_t budget_;                 // of bytes
-  std::unique_ptr<BlockCache> kept_;
+  std::unique_ptr<BlockCache> kept_; // null: no frame has been rendered
 };
 
 } // namespace treeamr

@@ -2,6 +2,7 @@
 #include "Volume/ErrorEstimate.h"
 
 #include "Error.h"
+#include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/OneFrame.h"
@@ -218,7 +219,7 @@ TEST(ErrorEstimate, IsZeroWhereNothingIsDrawn)
   auto estimator = frame.estimator(frame.render());
   EXPECT_EQ(estimator.error(), 0.);
   EXPECT_EQ(estimator.findSamplesPerCell(1e-3, 0.25, 64.), 0.25);
-  EXPECT_EQ(frame.volume.keptBytes(), Volume(field, nothing).keptBytes());
+  EXPECT_EQ(frame.volume.keptBytes(), BlockCache(*field, defaultKeptBytes).byteSize());
 }
 
 TEST(ErrorEstimate, AFrameOfAnotherSizeIsAnError)

@@ -3,6 +3,7 @@
 #include "Error.h"
 #include "Interpolation/BlockCache.h"
 #include "Octree/OctreeBuilder.h"
+#include "Support/AllocationCounter.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/Kernels.h"
@@ -450,8 +451,8 @@ TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
   const auto field = randomField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
   const Octree& octree = field->octree();
   ASSERT_GT(octree.innerCount(), 400u);
+  const std::size_t nothing = BlockCache(*field, smallestBudget(octree)).byteSize();
   Volume volume(field, smooth(), smallestBudget(octree));
-  const std::size_t before = volume.keptBytes();
   // Each view twice: what was kept for one gives way to the next.
   for (const View& view : views())
   {
@@ -463,8 +464,34 @@ TEST(VolumeKernel, KeepsNoMoreThanItsBudgetInAnyFrame)
       volume.render(camera, {}, image);
       renderVolume(*field, smooth(), camera, {}, {}, expected);
       EXPECT_EQ(image.rgba, expected.rgba) << view.name;
-      EXPECT_LE(volume.keptBytes(), before + 256 * BlockCache::blockBytes);
+      EXPECT_LE(volume.keptBytes(), nothing + 256 * BlockCache::blockBytes);
     }
+  }
+}
+
+TEST(VolumeKernel, AMovingCameraTabulatesNothing)
+{
+  const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });
+  constexpr std::size_t count = 100000;
+  // Of which the integrals are taken, too.
+  std::vector<TransferFunction::Entry> entries(count);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    entries[i] = { 1.f, 0.5f, 0.2f, i % 1000 == 0 ? 1000.f : 0.1f };
+  }
+  constexpr std::size_t tableBytes = count * sizeof(TransferFunction::Entry);
+  Volume volume(field, TransferFunction(0., 1., entries));
+  std::vector<std::size_t> bytes;
+  for (const View& view : views())
+  {
+    const Camera camera(view.clip, identityMatrix, width, height);
+    Image image(width, height);
+    bytes.push_back(peakBytes([&] { volume.render(camera, {}, image); }));
+  }
+  EXPECT_GT(bytes.front(), 4 * tableBytes);
+  for (std::size_t i = 1; i < bytes.size(); ++i)
+  {
+    EXPECT_LT(bytes[i], tableBytes) << views()[i].name;
   }
 }
 

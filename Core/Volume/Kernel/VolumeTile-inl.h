@@ -191,22 +191,8 @@ private:
       visitBlock(node, BlockCells::Means, box, active);
       return;
     }
-    unsigned wanted = 0; // mask of children
     std::array<Range, 8> ranges;
-    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
-    {
-      const int octant = std::countr_zero(rest);
-      const NodeRef child(NodeKind::Inner, path_.depth + 1, children.innerIndex(octant));
-      ranges[octant] = range;
-      wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
-    }
-    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
-    {
-      const int octant = std::countr_zero(rest);
-      const std::uint64_t leaf = children.leafIndex(octant);
-      const bool isWanted = !octree_.isGhost(leaf) && !(constants && isSkipped(leaf));
-      wanted |= static_cast<unsigned>(isWanted) << octant;
-    }
+    unsigned wanted = chooseChildren(children, range, ranges);
     if (wanted == 0)
     {
       return;
@@ -268,6 +254,29 @@ private:
       // The subtree may have used the buffers.
       hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
     }
+  }
+
+  /// Mask of the children in which there may be something to draw, whatever the rays. ranges: of inner ones, when
+  /// empty nodes are skipped.
+  HWY_INLINE unsigned chooseChildren(
+    const Octree::Children& children, const Range& range, std::array<Range, 8>& ranges) const noexcept
+  {
+    unsigned wanted = 0;
+    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const NodeRef child(NodeKind::Inner, path_.depth + 1, children.innerIndex(octant));
+      ranges[octant] = range;
+      wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
+    }
+    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
+    {
+      const int octant = std::countr_zero(rest);
+      const std::uint64_t leaf = children.leafIndex(octant);
+      const bool isWanted = !octree_.isGhost(leaf) && !(scene_.features.categories && isSkipped(leaf));
+      wanted |= static_cast<unsigned>(isWanted) << octant;
+    }
+    return wanted;
   }
 
   /// What says where the children have their own children and values.
