@@ -24,6 +24,8 @@ FORBIDDEN = {
 FOREST = "Reader/Forest"
 P4EST = re.compile(r"(p4est|p6est|p8est|sc)(_[a-z0-9_]+)?\.h")
 EMBREE = re.compile(r"embree\d*/")
+EVERY_TARGET = "hwy/foreach_target.h"
+INSTRUCTION_SETS = "InstructionSets.h"
 
 
 def violations(root):
@@ -53,6 +55,9 @@ def violations(root):
                 if where.is_relative_to(FOREST) and (name.startswith("vtk") or (
                         target == "Reader" and not name.startswith("Forest/"))):
                     found.append(f"{where}: includes {name}; {FOREST} knows no VTK")
+                if name == EVERY_TARGET and INSTRUCTION_SETS not in includes[:includes.index(name)]:
+                    found.append(f"{where}: includes {name} without {INSTRUCTION_SETS} before it, "
+                                 "which says for what it is compiled")
                 if P4EST.fullmatch(name):
                     found.append(f"{where}: includes {name}; libp4est (GPL) is for Testing/ only")
             if any(EMBREE.match(name) for name in includes):
@@ -110,6 +115,12 @@ class SelfTest(unittest.TestCase):
     def test_embree_twice(self):
         self.assertEqual(1, len(self.check({
             "Core/a.cpp": ["<embree3/rtcore.h>"], "Rendering/b.cxx": ["<embree3/rtcore.h>"]})))
+
+    def test_instruction_sets(self):
+        for includes, count in [(['"InstructionSets.h"', "<hwy/foreach_target.h>"], 0),
+                                (["<hwy/foreach_target.h>", '"InstructionSets.h"'], 1),
+                                (["<hwy/foreach_target.h>"], 1)]:
+            self.assertEqual(count, len(self.check({"Core/a.cpp": includes})), includes)
 
     def test_spelling(self):
         with tempfile.TemporaryDirectory() as folder:

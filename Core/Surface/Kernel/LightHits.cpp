@@ -1,4 +1,6 @@
 // The light of many hits of a ray: SurfaceFrame::shadingNormal() and shade() for vectors of them.
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Surface/Kernel/LightHits.cpp"
 #include <hwy/foreach_target.h>

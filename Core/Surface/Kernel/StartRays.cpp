@@ -1,5 +1,7 @@
 // The rays of packets of pixels, and their way into the domain: Camera::ray(), TraceSpace::start() and
 // TraceSpace::toUnitCube() for vectors of them.
+#include "InstructionSets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "Surface/Kernel/StartRays.cpp"
 #include <hwy/foreach_target.h>
