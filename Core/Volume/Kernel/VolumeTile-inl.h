@@ -528,14 +528,19 @@ private:
       const int group = std::countr_zero(active);
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes<Real>)
       {
-        if (hasHits_ || parts_ > 1)
+        // Exact values are few: a loop without stops for them would cost more to compile than it saves.
+        constexpr bool isFrequent = std::is_same_v<Values, QuantisedValues>;
+        if (!isFrequent || hasHits_ || parts_ > 1)
         {
           block.preIntegrate ? integrateFromStopToStop<true>(values, block, box, lattice, ray)
                              : integrateFromStopToStop<false>(values, block, box, lattice, ray);
           continue;
         }
-        block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
-                           : integrate<false>(values, block, box, lattice, ray);
+        if constexpr (isFrequent)
+        {
+          block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
+                             : integrate<false>(values, block, box, lattice, ray);
+        }
       }
     }
   }
