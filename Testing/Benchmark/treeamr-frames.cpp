@@ -94,6 +94,10 @@ public:
         [&] {
           return volume(lookingFrom({ 2.1, 1.7, 1.3 }, { 0.5, 0.5, 0.5 }, test::parallel(0.7, 0.1, 10.)));
         } },
+      { "zoom", // that floats do not resolve
+        [&] {
+          return volume(lookingFrom({ 2.1, 1.7, 1.3 }, { 0.31, 0.52, 0.48 }, test::parallel(1e-6, 0.1, 10.)));
+        } },
       { "means", [&] { return volume(makeCamera(pixels), {}, 4.); } },
       { "depths", [&] { return depths(makeCamera(pixels)); } },
       { "surfaces", [&] { return surfaces(makeCamera(pixels)); } },
