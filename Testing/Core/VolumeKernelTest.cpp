@@ -214,7 +214,7 @@ TEST(VolumeKernel, EveryTargetGivesTheSameBits)
         EXPECT_EQ(image.rgba, first.rgba) << view.name << " on " << kernel;
         ++kernels;
       });
-      EXPECT_GE(kernels, 4);
+      EXPECT_GE(kernels, oneTargetIsEnough ? 2 : 4);
       EXPECT_NE(firsts[0].rgba, firsts[1].rgba) << view.name;
     }
   }

@@ -10,14 +10,19 @@
 namespace treeamr::test
 {
 
+#ifdef __SANITIZE_THREAD__
+inline constexpr bool oneTargetIsEnough =
+  true; // threads meet in the same places whatever the instructions are
+#else
+inline constexpr bool oneTargetIsEnough = false;
+#endif
+
 /// Calls f with the name of each instruction set that kernels were compiled for and this machine has.
 template <class F>
 void forEachTarget(const F& f)
 {
   std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
-#ifdef __SANITIZE_THREAD__
-  targets &= -targets; // threads meet in the same places whatever the instructions are
-#endif
+  targets &= oneTargetIsEnough ? -targets : targets;
   for (; targets != 0; targets &= targets - 1)
   {
     const std::int64_t target = targets & -targets;
