@@ -17,6 +17,7 @@ BlockCache::BlockCache(const Field& field, std::size_t budgetBytes)
         ? 0
         : field.octree().innerCount())
   , pool_(slots_.size(), budgetBytes - slots_.size() * sizeof(slots_[0]))
+  , writers_([this] { return ChunkPool<Chunk>::Writer(pool_); })
 {
 }
 
@@ -29,18 +30,23 @@ void BlockCache::prepareMeans()
   }
 }
 
-const BlockRecord* BlockCache::Writer::keep(std::uint64_t inner, BlockCells cells, const BlockValues& block)
+const BlockRecord* BlockCache::keep(std::uint64_t inner, BlockCells cells, const BlockValues& block)
 {
-  Slots& slots = cells == BlockCells::Leaves ? cache_.slots_ : cache_.meanSlots_;
-  Chunk* chunk = slots.empty() ? nullptr : records_.room();
+  Slots& slots = cells == BlockCells::Leaves ? slots_ : meanSlots_;
+  if (slots.empty())
+  {
+    return nullptr;
+  }
+  ChunkPool<Chunk>::Writer& writer = writers_.local();
+  Chunk* chunk = writer.room();
   if (!chunk)
   {
     return nullptr;
   }
-  const std::uint32_t index = records_.index();
+  const std::uint32_t index = writer.index();
   const BlockRecord* kept = new (&chunk->records[index]) BlockRecord(block);
   chunk->ranges[index] = block.range;
-  slots[inner].store(records_.keep(), std::memory_order_release);
+  slots[inner].store(writer.keep(), std::memory_order_release);
   return kept;
 }
 
@@ -56,6 +62,7 @@ void BlockCache::endFrame(std::uint64_t found, std::uint64_t computed)
       }
     }
     pool_.forget();
+    writers_.clear();
   }
   full_ = pool_.overflowed();
 }

@@ -9,6 +9,8 @@
 #include "Interpolation/BlockValues.h"
 #include "Prefetch.h"
 
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -88,22 +90,8 @@ public:
     }
   }
 
-  /// A writer's supply of records: one for each thread.
-  class Writer
-  {
-  public:
-    explicit Writer(BlockCache& cache) noexcept
-      : cache_(cache)
-      , records_(cache.pool_)
-    {
-    }
-    /// Keeps the block of an inner node; null when the budget is used up. Its hull's width must be finite.
-    const BlockRecord* keep(std::uint64_t inner, BlockCells cells, const BlockValues& block);
-
-  private:
-    BlockCache& cache_;
-    ChunkPool<Chunk>::Writer records_;
-  };
+  /// Keeps the block of an inner node; null when the budget is used up. Its hull's width must be finite.
+  const BlockRecord* keep(std::uint64_t inner, BlockCells cells, const BlockValues& block);
 
   /// Call when no thread renders and blocks of means are going to be kept: they have a table of their own.
   void prepareMeans();
@@ -125,6 +113,8 @@ private:
   Slots slots_;
   Slots meanSlots_; // empty until they are prepared
   ChunkPool<Chunk> pool_;
+  // Of threads, not of their tasks, for as long as the cache lives: else each task would begin a chunk.
+  tbb::enumerable_thread_specific<ChunkPool<Chunk>::Writer> writers_;
   bool full_ = false; // overflowed in an earlier frame
 };
 

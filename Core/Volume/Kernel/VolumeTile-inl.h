@@ -13,6 +13,7 @@
 #define TREEAMR_VOLUMETILE_INL_H
 #endif
 
+#include "Volume/Kernel/VolumeBlocks-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeRays-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
@@ -44,8 +45,7 @@ public:
     , scene_(scene)
     , octree_(scene.field.octree())
     , grid_(octree_.grid())
-    , evaluator_(scene.field)
-    , writer_(scene.kept)
+    , blocks_(scene)
     , table_(&scene.table.entries.data()->r)
     , samplesPerCell_(static_cast<Real>(scene.settings.samplesPerCell))
   {
@@ -81,7 +81,7 @@ public:
   void repeatInCache(int x0, int y0, Real position, int repeats)
   {
     const GroupMask active = makeRays(x0, y0);
-    const Block block = constantBlock(position, std::numeric_limits<Real>::max());
+    const Block<Real> block = blocks_.constant(position, std::numeric_limits<Real>::max());
     // Around the point of the middle ray at half of its length, wide enough for all.
     constexpr int ray = tileRays / 2;
     const Real t = Real(0.5) * (begin_[0][ray] + std::min(end_[0][ray], begin_[0][ray] + 2));
@@ -104,6 +104,7 @@ public:
   VolumeStatistics statistics() const noexcept
   {
     VolumeStatistics statistics = statistics_;
+    statistics += blocks_.statistics();
     statistics.rays = drawnRays_;
     return statistics;
   }
@@ -183,12 +184,12 @@ private:
     const bool constants = scene_.features.categories;
     if (!constants && isBlock(node, children))
     {
-      visitBlock(node, BlockCells::Leaves, box, active);
+      visitBlock(BlockCells::Leaves, box, active);
       return;
     }
     if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(node, children, box))
     {
-      visitBlock(node, BlockCells::Means, box, active);
+      visitBlock(BlockCells::Means, box, active);
       return;
     }
     std::array<Range, 8> ranges;
@@ -211,7 +212,7 @@ private:
     crossChildren(box, middle, active, crossing);
     prefetchContents(children, wanted, crossing);
     bool hasValues = false;
-    Block block;
+    Block<Real> block;
     for (int i = 0; i < 8; ++i)
     {
       const int octant = i ^ nearest;
@@ -235,7 +236,7 @@ private:
         }
         if (!hasValues)
         {
-          if (!prepareBlock(node, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
+          if (!blocks_.prepare(path_, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
           {
             wanted &= ~children.leaf;
             continue;
@@ -251,8 +252,7 @@ private:
       visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
       path_.ascend();
       index_ = index;
-      // The subtree may have used the buffers.
-      hasValues = hasValues && block.steps != record_.values.data() && !block.exact;
+      hasValues = hasValues && blocks_.outlastsOthers(block);
     }
   }
 
@@ -340,131 +340,10 @@ private:
     return width < scene_.settings.levelOfDetailPixels * pixel;
   }
 
-  /// Float lanes sample blocks as they are kept. For double lanes each visit makes places in the table of them: without
-  /// a loop for steps there is half as much to compile.
-  static constexpr bool samplesSteps = std::is_same_v<Real, float>;
-
-  /// A node's vertex values, ready for sampling.
-  struct Block
+  void visitBlock(BlockCells cells, const Box<Real>& box, GroupMask active)
   {
-    const std::uint16_t* steps;
-    const Real* exact; // places in the table, not cut off at its ends; null where steps are sampled
-    ToTable<Real> toTable;
-    Real variation; // of the extinction over the block's hull, per kernel unit
-    bool preIntegrate;
-  };
-
-  /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
-  bool isCoarse(const ToTable<Real>& t) const
-  {
-    return !(t.scale < 4 / BlockRecord::steps * scene_.table.last);
-  }
-
-  /// Whether a block can be kept: denormal numbers cannot count the steps of their hull, and no float the width of the
-  /// largest. Float lanes do not get such fields.
-  static bool hasSteps(const Range& range)
-  {
-    using Limits = std::numeric_limits<float>;
-    const float width = range.max - range.min;
-    return samplesSteps || width == 0.f || (width >= Limits::min() && width <= Limits::max());
-  }
-
-  /// Finds the values of a node's children or computes and keeps them. False when nothing of them is visible.
-  bool prepareBlock(std::uint64_t node, BlockCells cells, double leafWidth, Block& block)
-  {
-    const BlockCache::Found found = scene_.kept.find(node, cells);
-    Range range = found.range;
-    block.exact = nullptr;
-    if (found.record)
-    {
-      ++statistics_.kept;
-      block.steps = found.record->values.data();
-    }
-    else
-    {
-      compute(cells);
-      range = values_.range;
-    }
-    if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
-    {
-      if (!found.record && hasSteps(range))
-      {
-        writer_.keep(node, cells, values_);
-      }
-      return false;
-    }
-    const TransferFunction& tf = scene_.transferFunction;
-    const VolumeTable& table = scene_.table;
-    // Beyond this no two floats share an entry, and products with their differences would overflow.
-    constexpr double steepest = 0x1p880;
-    const double scale = std::min(tf.scale() * table.perEntry, steepest);
-    const double first = tf.position(range.min) * table.perEntry;
-    const double last = tf.position(range.max) * table.perEntry;
-    const double offset = (range.min - tf.min()) * scale;
-    const double width = static_cast<double>(range.max) - range.min;
-    block.toTable = { static_cast<Real>(width * scale / BlockRecord::steps), static_cast<Real>(offset),
-      static_cast<Real>(first), static_cast<Real>(last) };
-    const auto firstEntry = static_cast<std::size_t>(first);
-    const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
-    const double variation = table.variation[lastEntry] - table.variation[firstEntry];
-    block.variation = static_cast<Real>(variation);
-    block.preIntegrate = scene_.features.preIntegration &&
-      pointSampleError(
-        scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
-          leafWidth >
-        pointSampleTolerance;
-    if (!found.record && hasSteps(range))
-    {
-      const BlockRecord* kept = writer_.keep(node, cells, values_);
-      if (!kept)
-      {
-        record_ = BlockRecord(values_);
-        kept = &record_;
-      }
-      block.steps = kept->values.data();
-    }
-    if (isCoarse(block.toTable) || !hasSteps(range))
-    {
-      if (found.record)
-      {
-        compute(cells);
-      }
-      // Places in the table at once: a difference from a huge end of the hull would have lost the other values'
-      // digits. So far away, all that matters to floats is that they are finite.
-      constexpr double far = std::is_same_v<Real, float> ? farthestPlace : std::numeric_limits<double>::max();
-      for (std::size_t i = 0; i < values_.values.size(); ++i)
-      {
-        exact_[i] = static_cast<Real>(std::clamp((values_.values[i] - tf.min()) * scale, -far, far));
-      }
-      block.exact = exact_;
-      block.toTable.scale = 1;
-      block.toTable.offset = 0;
-    }
-    else if constexpr (!samplesSteps)
-    {
-      for (std::size_t i = 0; i < values_.values.size(); ++i)
-      {
-        exact_[i] = block.steps[i] * block.toTable.scale + block.toTable.offset;
-      }
-      block.exact = exact_;
-      block.toTable.scale = 1;
-      block.toTable.offset = 0;
-    }
-    return true;
-  }
-
-  void compute(BlockCells cells)
-  {
-    evaluator_.compute(path_, cells, values_);
-    ++statistics_.blocks;
-    const Octree::Children children = octree_.children(path_.node[path_.depth]);
-    statistics_.cells += std::popcount(children.leaf);
-  }
-
-  void visitBlock(std::uint64_t node, BlockCells cells, const Box<Real>& box, GroupMask active)
-  {
-    Block block;
-    if (prepareBlock(node, cells, 0.5 * (box.max[0] - box.min[0]), block))
+    Block<Real> block;
+    if (blocks_.prepare(path_, cells, 0.5 * (box.max[0] - box.min[0]), block))
     {
       integrate(block, box, Lattice<Real>(box), active);
     }
@@ -492,23 +371,16 @@ private:
       scene_.table.entries[static_cast<std::size_t>(positionOf(leaf))].extinction == 0.f;
   }
 
-  /// Of one place in the table.
-  Block constantBlock(Real position, Real variation) const noexcept
-  {
-    alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
-    return { noSteps.data(), samplesSteps ? nullptr : exact_, { 0, position, position, position }, variation,
-      false };
-  }
-
   /// A leaf whose value is the same everywhere in it.
   void integrateConstant(std::uint64_t leaf, const Box<Real>& box, GroupMask active)
   {
-    integrate(constantBlock(positionOf(leaf), 0), box, Lattice<Real>(box), active);
+    integrate(blocks_.constant(positionOf(leaf), 0), box, Lattice<Real>(box), active);
   }
 
-  void integrate(const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, GroupMask active)
+  void integrate(
+    const Block<Real>& block, const Box<Real>& box, const Lattice<Real>& lattice, GroupMask active)
   {
-    if constexpr (samplesSteps)
+    if constexpr (Block<Real>::samplesSteps)
     {
       if (!block.exact)
       {
@@ -520,8 +392,8 @@ private:
   }
 
   template <class Values>
-  void integrate(const Values& values, const Block& block, const Box<Real>& box, const Lattice<Real>& lattice,
-    GroupMask active)
+  void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,
+    const Lattice<Real>& lattice, GroupMask active)
   {
     for (; active != 0; active &= active - 1)
     {
@@ -547,8 +419,8 @@ private:
 
   /// Takes the rays from `ray` on through a box.
   template <bool PreIntegrated, class Values>
-  HWY_INLINE void integrate(
-    const Values& values, const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, int ray)
+  HWY_INLINE void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,
+    const Lattice<Real>& lattice, int ray)
   {
     const RealTag<Real> d;
     Reals<Real> begin = hn::Load(d, begin_[0] + ray);
@@ -559,8 +431,8 @@ private:
 
   /// The same, from stop to stop.
   template <bool PreIntegrated, class Values>
-  HWY_NOINLINE void integrateFromStopToStop(
-    const Values& values, const Block& block, const Box<Real>& box, const Lattice<Real>& lattice, int ray)
+  HWY_NOINLINE void integrateFromStopToStop(const Values& values, const Block<Real>& block,
+    const Box<Real>& box, const Lattice<Real>& lattice, int ray)
   {
     const RealTag<Real> d;
     for (int part = 0; part < parts_; ++part)
@@ -580,7 +452,7 @@ private:
   /// Takes the rays from `ray` on from begin to end in a block: by midpoint samples, or by the transfer function's
   /// integrals over what the field covers in each step.
   template <bool PreIntegrated, class Values>
-  HWY_INLINE void integratePart(const Values& values, const Block& block, const Lattice<Real>& lattice,
+  HWY_INLINE void integratePart(const Values& values, const Block<Real>& block, const Lattice<Real>& lattice,
     int ray, Reals<Real> begin, Reals<Real> end)
   {
     const RealTag<Real> d;
@@ -660,14 +532,9 @@ private:
   const Octree& octree_;
   const RootGrid& grid_;
   BlockPath path_;
-  BlockEvaluator evaluator_;
-  BlockCache::Writer writer_;
+  BlockSource<Real> blocks_;
   const float* table_;
   Real samplesPerCell_;
-  BlockValues values_; // computed last
-  BlockRecord record_;
-  HWY_ALIGN Real exact_[128] = {};
-
   std::array<Coord, 3> index_{};
 
   VolumeStatistics statistics_;
