@@ -2,9 +2,9 @@
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
-#include "Support/OneFrame.h"
 #include "Surface/Shading.h"
 
 #include <gtest/gtest.h>
@@ -418,6 +418,57 @@ TEST(Volume, CutsOfAHomogeneousCubeAreExact)
       }
       ASSERT_NEAR(image.rgba[4 * i + 3], -std::expm1(-1.5 * std::max(0., t1 - t0)), 5e-6) << "pixel " << i;
     }
+  }
+}
+
+/// Planes through an adaptive field, beside depths that each ray's own places on them are turned into here.
+TEST(Volume, PlanesAreStopsSetByHand)
+{
+  const RandomTree options{ 12, { 2, 2, 2 }, 5, 0.6, 0., false };
+  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  const std::vector<HalfSpace> planes{ { { 2., 0.3, 0.7 }, 2.1 }, { { -0.4, -1., -0.2 }, -2.3 } };
+  VolumeSettings settings;
+  settings.samplesPerCell = 64.;
+  constexpr int size = 64;
+  for (const Matrix4& projection : { perspective(40., 2., 9.), parallel(1.6, 2., 9.) })
+  {
+    const Camera camera(
+      multiply(projection, lookAt({ 4., 3., 3.5 }, { 1., 1., 1. })), identityMatrix, size, size);
+    std::vector<float> begin(size * size);
+    std::vector<float> end(size * size);
+    for (int i = 0; i < size * size; ++i)
+    {
+      const Ray ray = camera.ray(i % size, i / size);
+      double t0 = camera.tFromDepth(ray, 0.);
+      double t1 = camera.tFromDepth(ray, 1.);
+      for (const HalfSpace& plane : planes)
+      {
+        const double along = dot(plane.normal, ray.direction);
+        const double t = (plane.offset - dot(plane.normal, ray.origin)) / along;
+        t0 = along > 0. ? std::max(t0, t) : t0;
+        t1 = along > 0. ? t1 : std::min(t1, t);
+      }
+      begin[i] = static_cast<float>(camera.depthFromT(ray, t0));
+      end[i] = static_cast<float>(camera.depthFromT(ray, std::max(t0, t1)));
+    }
+    RayStops cut;
+    cut.cut.halfSpaces = planes;
+    Image byPlanes(size, size);
+    Image byHand(size, size);
+    Image whole(size, size);
+    renderVolume(*field, partial(), camera, cut, settings, byPlanes);
+    renderVolume(*field, partial(), camera, RayStops::depths(begin.data(), end.data()), settings, byHand);
+    renderVolume(*field, partial(), camera, {}, settings, whole);
+    float drawn = 0.f;
+    float cutAway = 0.f;
+    for (std::size_t i = 0; i < byHand.rgba.size(); ++i)
+    {
+      ASSERT_NEAR(byPlanes.rgba[i], byHand.rgba[i], 1e-4) << "pixel " << i / 4;
+      drawn = std::max(drawn, byHand.rgba[i]);
+      cutAway = std::max(cutAway, std::abs(whole.rgba[i] - byHand.rgba[i]));
+    }
+    EXPECT_GT(drawn, 0.2f);
+    EXPECT_GT(cutAway, 0.2f);
   }
 }
 
