@@ -81,8 +81,8 @@ public:
       });
   }
 
-  /// Calls body(x, y, pixels) for the packets of a tile: that of their first pixel, and a bit for each that is in the
-  /// image.
+  /// Calls body(x, y, pixels) for the packets of a tile that are in the image: that of their first pixel, and a bit for
+  /// each that is.
   template <class Body>
   void forPackets(int i, int j, const Body& body) const
   {
@@ -96,7 +96,10 @@ public:
       {
         pixels |= static_cast<std::uint32_t>(x + p % packet < width_ && y + p / packet < height_) << p;
       }
-      body(x, y, pixels);
+      if (pixels != 0)
+      {
+        body(x, y, pixels);
+      }
     }
   }
   /// Calls body(number) for the pixels of a tile, packet by packet.

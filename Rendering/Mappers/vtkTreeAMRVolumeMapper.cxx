@@ -318,8 +318,14 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
     treeamr::TransferFunction function = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
       : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
                              : treeamr::convertTransferFunction(property, internals.Field->range());
-    internals.Volume ? internals.Volume->setTransferFunction(std::move(function))
-                     : void(internals.Volume.emplace(internals.Field, std::move(function), bytes));
+    if (internals.Volume)
+    {
+      internals.Volume->setTransferFunction(std::move(function));
+    }
+    else
+    {
+      internals.Volume.emplace(internals.Field, std::move(function), bytes);
+    }
     internals.Property = property;
     // Asking for functions that were never set has made them.
     internals.PropertyTime = property ? property->GetMTime() : 0;
