@@ -15,29 +15,6 @@ using namespace block;
 namespace
 {
 
-template <unsigned Axes>
-const double* weightsOf(unsigned refined) noexcept
-{
-  constexpr int dimensions = std::popcount(Axes);
-  static constexpr double one = 1.;
-  if constexpr (dimensions == 0)
-  {
-    return &one;
-  }
-  else if constexpr (dimensions == 1)
-  {
-    return gtiWeights1[refined].data();
-  }
-  else if constexpr (dimensions == 2)
-  {
-    return gtiWeights2[refined].data();
-  }
-  else
-  {
-    return gtiWeights3[refined].data();
-  }
-}
-
 /// A vertex between leaves and refined nodes of one level.
 template <unsigned Axes, class Level>
 double onLattice(const Level& level, int place) noexcept
@@ -45,7 +22,7 @@ double onLattice(const Level& level, int place) noexcept
   constexpr int count = 1 << std::popcount(Axes);
   constexpr int children = 8 / count;
   const double* values = level.childValue.data() + childBefore(Axes, place);
-  const double* weights = weightsOf<Axes>(aroundVertex<Axes>(level.refined >> place));
+  const double* weights = gtiWeightsOf<std::popcount(Axes)>(aroundVertex<Axes>(level.refined >> place));
   double sum = 0.;
   for (int s = 0; s < count; ++s)
   {
@@ -87,7 +64,7 @@ double onSparseLattice(const Level& level, int place) noexcept
       refined |= refinedAround & 1u << s;
     }
   }
-  const double* weights = weightsOf<Axes>(refined);
+  const double* weights = gtiWeightsOf<std::popcount(Axes)>(refined);
   double sum = 0.;
   double total = 0.;
   for (int s = 0; s < count; ++s)

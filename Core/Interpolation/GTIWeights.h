@@ -23,4 +23,27 @@ extern const GTIWeightTable<1> gtiWeights1;
 extern const GTIWeightTable<2> gtiWeights2;
 extern const GTIWeightTable<3> gtiWeights3;
 
+/// Those of a mask, one by one; 1 in no dimension.
+template <int Dimensions>
+const double* gtiWeightsOf(unsigned refined) noexcept
+{
+  static constexpr double one = 1.;
+  if constexpr (Dimensions == 0)
+  {
+    return &one;
+  }
+  else if constexpr (Dimensions == 1)
+  {
+    return gtiWeights1[refined].data();
+  }
+  else if constexpr (Dimensions == 2)
+  {
+    return gtiWeights2[refined].data();
+  }
+  else
+  {
+    return gtiWeights3[refined].data();
+  }
+}
+
 } // namespace treeamr

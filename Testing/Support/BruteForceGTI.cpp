@@ -57,6 +57,30 @@ Coord floorDiv(Coord a, Coord b)
   return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
 
+/// A vertex off a lattice, between two that are off it along fewer axes.
+struct Hanging
+{
+  BruteForceGTI::Vertex low;
+  BruteForceGTI::Vertex high;
+  double fraction; // of the way
+};
+
+std::optional<Hanging> hangingOn(Coord spacing, const BruteForceGTI::Vertex& v)
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    Hanging h{ v, v, 0. };
+    h.low[a] = floorDiv(v[a], spacing) * spacing;
+    if (h.low[a] != v[a])
+    {
+      h.high[a] = h.low[a] + spacing;
+      h.fraction = static_cast<double>(v[a] - h.low[a]) / static_cast<double>(spacing);
+      return h;
+    }
+  }
+  return std::nullopt;
+}
+
 } // namespace
 
 BruteForceGTI::BruteForceGTI(std::array<int, 3> roots, const std::vector<LeafCell>& cells, bool octantRule)
@@ -177,20 +201,12 @@ std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
   const Coord w = width(coarsest);
   const Coord half = w / 2;
 
-  // Step 2: a vertex off that level's octant lattice is interpolated along one or two axes.
-  for (int a = 0; a < 3; ++a)
+  // Step 2: a vertex off that level's octant lattice is interpolated along one or two axes. Those that it is between may
+  // hang along another one: their own step 2, at this same level.
+  if (const auto between = hangingOn(half, v))
   {
-    const Coord below = floorDiv(v[a], half) * half;
-    if (below != v[a])
-    {
-      Vertex low = v;
-      Vertex high = v;
-      low[a] = below;
-      high[a] = below + half;
-      const double f = static_cast<double>(v[a] - below) / static_cast<double>(half);
-      // The neighbours along this axis may hang along another one: their own step 2, at this same level.
-      return (1. - f) * vertex(low, gap).value() + f * vertex(high, gap).value();
-    }
+    return (1. - between->fraction) * vertex(between->low, gap).value() +
+      between->fraction * vertex(between->high, gap).value();
   }
 
   // Step 3: the cells of that level around v, along the axes in which v is not at their middle.
@@ -241,6 +257,80 @@ std::optional<double> BruteForceGTI::vertex(const Vertex& v, bool* gap) const
     total += data[s] ? c[s] : 0.;
   }
   return sum / total;
+}
+
+bool BruteForceGTI::isEven(const Vertex& v, int axis) const
+{
+  const int coarsest = coarsestAround(v);
+  if (coarsest > finest_)
+  {
+    return false;
+  }
+  if (const auto between = hangingOn(width(coarsest) / 2, v))
+  {
+    return isEven(between->low, axis) && isEven(between->high, axis);
+  }
+  // A little to all sides of v lie the cells that touch it.
+  const auto touched = [&](int level, int side) {
+    std::array<Coord, 3> index;
+    for (int a = 0; a < 3; ++a)
+    {
+      index[a] = floorDiv(2 * v[a] + (side >> a & 1 ? 1 : -1), 2 * width(level));
+    }
+    return find(level, index);
+  };
+  std::array<bool, 8> has;
+  for (int side = 0; side < 8; ++side)
+  {
+    const Node* cell = touched(coarsest, side);
+    has[side] = cell && (cell->leaf || touched(coarsest + 1, side));
+  }
+  for (int side = 0; side < 8; ++side)
+  {
+    if (has[side] != has[side ^ 1 << axis])
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::array<double, 3> BruteForceGTI::gradient(const Vertex& v, const RootGrid& grid) const
+{
+  const Coord half = width(coarsestAround(v)) / 2;
+  if (const auto between = hangingOn(half, v))
+  {
+    std::array<double, 3> mean = gradient(between->low, grid);
+    const std::array<double, 3> high = gradient(between->high, grid);
+    for (int a = 0; a < 3; ++a)
+    {
+      mean[a] += between->fraction * (high[a] - mean[a]);
+    }
+    return mean;
+  }
+  std::array<double, 3> slopes;
+  for (int a = 0; a < 3; ++a)
+  {
+    std::vector<Vertex> exist;
+    std::vector<Vertex> even;
+    for (Coord k = -2; k <= 2; ++k)
+    {
+      Vertex along = v;
+      along[a] += k * half;
+      if (vertex(along))
+      {
+        exist.push_back(along);
+      }
+      if (isEven(along, a))
+      {
+        even.push_back(along);
+      }
+    }
+    const std::vector<Vertex>& used = even.size() > 1 ? even : exist;
+    const auto world = [&](const Vertex& w) { return grid.worldPlane(a, w[a], finest_ + 1); };
+    slopes[a] = (*vertex(used.back()) - *vertex(used.front())) / (world(used.back()) - world(used.front()));
+  }
+  return slopes;
 }
 
 const CellId* BruteForceGTI::leafAt(const std::array<double, 3>& p) const

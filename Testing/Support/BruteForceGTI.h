@@ -21,6 +21,11 @@ public:
 
   /// V(v); none where no cell touches v. Sets *gap when a missing cell had a part in it.
   std::optional<double> vertex(const Vertex& v, bool* gap = nullptr) const;
+  /// Whether of the cells that V(v) would take values of each has its mirror image along the axis, or both are missing;
+  /// false where no cell touches v.
+  bool isEven(const Vertex& v, int axis) const;
+  /// G(v), as BlockGradients.h defines it; v must touch a cell.
+  std::array<double, 3> gradient(const Vertex& v, const RootGrid& grid) const;
   /// The field at a point in units of roots; none outside the cells. On shared planes the upper cell's.
   std::optional<double> value(const std::array<double, 3>& p) const;
   /// The field at a point of the closed box of one leaf, seen from inside that leaf.

@@ -1,0 +1,110 @@
+// The vertex gradients of a block of leaves: continuous wherever leaves meet, as the vertex values are, where the
+// gradient of the trilinear pieces jumps. To shade by, in surfaces and volumes.
+//
+// A gradient G(v) at a vertex v of the octant lattice depends on v and the tree alone; in an octant the gradient is the
+// trilinear interpolant of its eight. With L the coarsest level of the leaves that touch v:
+// - If v is not on the octant lattice of level L, G(v) is interpolated between the vertices of level L around it.
+// - Otherwise it is, axis by axis, the difference of the field between two of the points v + k h(L) / 2, k from -2 to
+//   2, over their distance in the world: of the outermost two that are even along the axis, v - h(L) and v + h(L) away
+//   from the domain's end and missing cells. A vertex is even when of the cells that V would take values of, each has
+//   its mirror image, or both are missing: beside a missing one the field is flat, so that differences from there
+//   would be too small. Where only one is even or none, as in a layer of single cells, the outermost two with any cell
+//   count.
+// Where roots of unequal sizes meet, distances in the world keep this continuous, and of the first order.
+//
+// Its error is of the second order for smooth fields inside the domain, of the first where levels meet; none for
+// trilinear fields away from missing cells. (The paper leaves gradients open.)
+#pragma once
+
+#include "Field/Field.h"
+#include "Geometry/Vec3.h"
+#include "Interpolation/BlockValues.h"
+#include "Octree/TreePath.h"
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <memory>
+
+namespace treeamr
+{
+
+/// d value / d world coordinate, in the order of BlockValues. Vertices that were not asked for hold anything.
+using BlockGradients = std::array<Vec3, block::vertexCount>;
+
+/// Of one field, which must live as long, for one thread. The way down the tree, and what is known along it, is kept
+/// for the next block.
+class GradientEvaluator
+{
+public:
+  explicit GradientEvaluator(const Field& field);
+
+  /// At the vertices of some octants, a bit x + 4 y + 16 z for each, of the drawn children of the inner node at the
+  /// path's end. With means, every node of the children's size is taken as a leaf.
+  void compute(
+    const BlockPath& path, BlockCells cells, std::uint64_t octants, BlockGradients& gradients) noexcept;
+
+private:
+  /// In and around an inner node lie 6 x 6 x 6 cells of its children's size, from its lower corner -2 to 3 along each
+  /// axis, and 9 x 9 x 9 vertices, -2 to 6 half widths from that corner. Either count from 0 here.
+  static constexpr int cellsPerEdge = 6;
+  static constexpr int pointsPerEdge = 9;
+  static constexpr int cellCount = cellsPerEdge * cellsPerEdge * cellsPerEdge;
+  static constexpr int pointCount = pointsPerEdge * pointsPerEdge * pointsPerEdge;
+  using Place = std::array<int, 3>; // of a vertex
+
+  enum CellKind : std::uint8_t // bits
+  {
+    OfThisSize = 0,
+    Coarse = 1, // part of a coarser leaf
+    Refined = 2,
+    Missing = 4
+  };
+  static constexpr std::uint8_t allAxes = 7;
+  struct Point
+  {
+    double value;
+    bool isThere;          // some cell touches it
+    std::uint8_t evenAxes; // mask; none where no cell touches it
+  };
+  struct Level
+  {
+    std::uint64_t node = noNode;
+    std::array<CellKind, cellCount> kind;
+    std::array<double, cellCount> cellValue;    // 0 of coarse and missing ones
+    std::array<std::uint64_t, cellCount> inner; // of refined cells
+    std::array<std::array<double, pointsPerEdge>, 3>
+      at; // world coordinates of the vertices, from the first on
+    std::bitset<pointCount> known;
+    std::array<Point, pointCount> point;
+    std::bitset<block::vertexCount> gradientKnown;
+    BlockGradients gradient;
+  };
+  static constexpr std::uint64_t noNode = ~std::uint64_t(0);
+
+  void moveTo(const BlockPath& path, int leafDepth) noexcept;
+  void gather(int depth, Level& level) const noexcept;
+  void measure(int depth, Level& level) const noexcept;
+  Level& levelAt(int depth) noexcept;
+
+  Point pointAt(int depth, const Place& place) noexcept;
+  template <unsigned Axes>
+  Point onLattice(int depth, const Level& level, int firstCell) const noexcept;
+  Point amidFiner(std::array<NodeRef, 8> around) const noexcept;
+  template <class F>
+  int forCoarser(int depth, const Place& place, const F& f) noexcept;
+  Point betweenCoarser(int depth, const Place& place) noexcept;
+  Vec3 gradientAt(int depth, const Place& place) noexcept;
+  bool hangs(const Level& level, const Place& place) const noexcept;
+  double slopeAt(int depth, int axis, const Place& place) noexcept;
+  double rootWidth(int axis, Coord root) const noexcept;
+
+  const Field& field_;
+  const Octree& octree_;
+  Vec3 uniformWidth_{}; // of the roots; 0: they differ
+  int leafDepth_;       // nodes of this depth are taken as leaves
+  TreePath path_;
+  std::unique_ptr<Level[]> levels_; // by depth of the inner node
+};
+
+} // namespace treeamr
