@@ -10,7 +10,6 @@ namespace treeamr
 namespace
 {
 
-constexpr unsigned allFaces = 0x3f;
 constexpr std::array<int, 3> entryStride{ 1, 3, 9 }; // of a neighbourhood
 
 constexpr int entryOfFace(int face)
@@ -49,11 +48,10 @@ OctantPlanes octantPlanes(const RootGrid& grid, const std::array<Coord, 3>& inde
   return planes;
 }
 
-BlockContour::BlockContour(const Field& field, double isovalue, bool gradients)
+BlockContour::BlockContour(const Field& field, double isovalue)
   : octree_(field.octree())
   , field_(field)
   , isovalue_(isovalue)
-  , gradients_(gradients)
   , noneMissing_(hasAllCells(octree_))
   , finestDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
   , evaluator_(field)
@@ -228,10 +226,6 @@ void BlockContour::extractOctant(const Leaf& leaf, const Place& low, unsigned in
       beyond[f] = keyOf({ 2 * corner[0] - 1, 2 * corner[1] - 1, 2 * corner[2] - 1 }, 2);
     }
   }
-  if (gradients_)
-  {
-    addGradients(piece, leaf.ghost ? coarser : allFaces, part);
-  }
   for (int f = 0; f < 6; ++f)
   {
     if (coarser >> f & 1)
@@ -264,10 +258,6 @@ void BlockContour::extractDual(const Place& corner, ContourPart& part)
     Place beside = corner;
     beside[f >> 1] += f & 1 ? 1 : -1;
     finer |= static_cast<unsigned>(!dualCells_.has(beside)) << f;
-  }
-  if (gradients_)
-  {
-    addGradients(piece, allFaces, part);
   }
   extractPiece(piece, finer, part);
 }
@@ -376,10 +366,6 @@ std::uint32_t BlockContour::addPoint(
     p[a] = local[a] == 1. ? high : low + local[a] * (high - low);
   }
   part.points.push_back(p);
-  if (gradients_)
-  {
-    part.gradients.push_back({});
-  }
   return static_cast<std::uint32_t>(part.points.size() - 1);
 }
 
@@ -462,31 +448,6 @@ void BlockContour::nameCrossing(const Piece& piece, int edge, std::int64_t point
   name(2 * ((base_[e.axis] + low[e.axis]) >> up) + 1, up + unit - 1);
 }
 
-/// At the piece's points on some of its faces.
-void BlockContour::addGradients(const Piece& piece, unsigned faces, ContourPart& part)
-{
-  for (int e = 0; e < 12; ++e)
-  {
-    const OctantTables::Edge& edge = octantTables.edge[e];
-    if ((edge.faces & faces) != 0 && (piece.inside >> edge.low & 1) != (piece.inside >> edge.high & 1))
-    {
-      addGradient(piece, localPoint(e), part.gradients[pointOn(piece, e, part)]);
-    }
-  }
-}
-
-void BlockContour::addGradient(
-  const Piece& piece, const std::array<double, 3>& local, std::array<double, 4>& sum) const noexcept
-{
-  const std::array<double, 3> gradient = trilinearGradient(values_, local);
-  for (int a = 0; a < 3; ++a)
-  {
-    const double width = plane_[a][piece.low[a] + piece.width + 1] - plane_[a][piece.low[a] + 1];
-    sum[a] += gradient[a] / width;
-  }
-  sum[3] += 1.;
-}
-
 void BlockContour::fillLoops(const Piece& piece, std::array<std::int8_t, 12>& next, ContourPart& part)
 {
   for (int first = 0; first < 12; ++first)
@@ -538,10 +499,6 @@ void BlockContour::fillLoop(const Piece& piece, const std::array<int, 12>& loop,
   }
   const std::array<double, 3> centre = loopCentre(values_, local.data(), count);
   const std::uint32_t point = addPoint(piece, centre, part);
-  if (gradients_)
-  {
-    addGradient(piece, centre, part.gradients[point]);
-  }
   for (int i = 0; i < count; ++i)
   {
     part.triangles.push_back({ points[i], points[(i + 1) % count], point });

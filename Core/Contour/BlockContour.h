@@ -36,7 +36,6 @@ struct SharedCrossing
 struct ContourPart
 {
   std::vector<std::array<double, 3>> points;
-  std::vector<std::array<double, 4>> gradients; // sums and the number of summands
   std::vector<SharedCrossing> shared;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<TransitionLine> lines;
@@ -53,7 +52,7 @@ OctantPlanes octantPlanes(const RootGrid& grid, const std::array<Coord, 3>& inde
 class BlockContour
 {
 public:
-  BlockContour(const Field& field, double isovalue, bool gradients);
+  BlockContour(const Field& field, double isovalue);
 
   /// Of the leaves among the children of the inner node at the path's end.
   void extract(TreePath& path, ContourPart& part);
@@ -101,16 +100,12 @@ private:
   std::uint32_t addPoint(const Piece& piece, const std::array<double, 3>& local, ContourPart& part);
   std::uint32_t pointOn(const Piece& piece, int edge, ContourPart& part);
   void nameCrossing(const Piece& piece, int edge, std::int64_t point, ContourPart& part) const;
-  void addGradients(const Piece& piece, unsigned faces, ContourPart& part);
-  void addGradient(
-    const Piece& piece, const std::array<double, 3>& local, std::array<double, 4>& sum) const noexcept;
   void fillLoops(const Piece& piece, std::array<std::int8_t, 12>& next, ContourPart& part);
   void fillLoop(const Piece& piece, const std::array<int, 12>& loop, int count, ContourPart& part);
 
   const Octree& octree_;
   const Field& field_;
   double isovalue_;
-  bool gradients_;
   bool noneMissing_; // cells of the domain
   int finestDepth_;  // of the finest octants
   BlockEvaluator evaluator_;

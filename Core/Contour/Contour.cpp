@@ -18,9 +18,9 @@
 #include "Contour/Contour.h"
 
 #include "Contour/BlockContour.h"
+#include "Contour/MeshInterpolation.h"
 #include "Contour/MortonSort.h"
 #include "Error.h"
-#include "Interpolation/BlockValues.h"
 #include "Octree/TreePath.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -56,13 +56,13 @@ struct Task
 class Extraction
 {
 public:
-  Extraction(const Field& field, double isovalue, bool gradients)
+  Extraction(const Field& field, double isovalue)
     : field_(field)
     , ranges_(field.nodeRanges())
     , octree_(field.octree())
     , isovalue_(isovalue)
     , subtreeDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() - 4)
-    , blocks_([=, &field] { return BlockContour(field, isovalue, gradients); })
+    , blocks_([=, &field] { return BlockContour(field, isovalue); })
   {
   }
 
@@ -209,8 +209,7 @@ auto concatenated(std::vector<ContourPart>& parts, Member member)
 }
 
 /// Joins what all parts say about one crossing.
-void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointNumbers& numbers,
-  std::vector<std::array<double, 4>>& gradients)
+void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointNumbers& numbers)
 {
   sortByPlace(shared, octantDepth + 2, [](const SharedCrossing& s) { return s.middle; });
   for (std::size_t i = 0, owner = 0; i < shared.size(); ++i)
@@ -221,104 +220,17 @@ void mergeCrossings(int octantDepth, std::vector<SharedCrossing>& shared, PointN
       continue;
     }
     numbers.merge(shared[i].point, shared[owner].point);
-    for (int a = 0; !gradients.empty() && a < 4; ++a)
-    {
-      gradients[shared[owner].point][a] += gradients[shared[i].point][a];
-    }
   }
   numbers.assign();
 }
-
-/// The values of a block's vertices, or of one beside it.
-struct LocatedBlock
-{
-  bool known = false;
-  OctantPlanes planes;
-  BlockValues vertices;
-};
-
-/// Trilinear between a block's vertices. Just beside the octant that a point belongs to, where rounding may
-/// put it, the others' vertices weigh next to nothing.
-float interpolateIn(const LocatedBlock& block, const std::array<double, 3>& pWorld) noexcept
-{
-  int base = 0;
-  std::array<double, 3> local;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double* plane = block.planes[a].data() + 1;
-    int low = 0;
-    while (low < 3 && pWorld[a] >= plane[low + 1] && plane[low + 2] > plane[low + 1])
-    {
-      ++low;
-    }
-    base += block::vertexStride[a] * low;
-    local[a] = std::clamp((pWorld[a] - plane[low]) / (plane[low + 1] - plane[low]), 0., 1.);
-  }
-  return static_cast<float>(
-    trilinear(cornersOf(block.vertices.values.data() + base, block::vertexStride), local));
-}
-
-/// Interpolates at points in the blocks of a mesh. The points of dual cells may lie in the block beyond,
-/// which has leaves of the same size there.
-class BlockInterpolation
-{
-public:
-  explicit BlockInterpolation(const Field& field)
-    : octree_(field.octree())
-    , evaluator_(field)
-  {
-  }
-  void goTo(const ContourMesh::Block& block) noexcept
-  {
-    block_ = block;
-    for (LocatedBlock& located : around_)
-    {
-      located.known = false;
-    }
-  }
-  float value(const std::array<double, 3>& pWorld) noexcept
-  {
-    const LocatedBlock& own = at({});
-    std::array<int, 3> offset;
-    for (int a = 0; a < 3; ++a)
-    {
-      offset[a] = (pWorld[a] > own.planes[a][5]) - (pWorld[a] < own.planes[a][1]);
-    }
-    return interpolateIn(at(offset), pWorld);
-  }
-
-private:
-  const LocatedBlock& at(const std::array<int, 3>& offset) noexcept
-  {
-    LocatedBlock& located = around_[13 + offset[0] + 3 * offset[1] + 9 * offset[2]];
-    if (!located.known)
-    {
-      std::array<Coord, 3> index;
-      for (int a = 0; a < 3; ++a)
-      {
-        index[a] = block_.index[a] + offset[a];
-      }
-      evaluator_.compute(BlockPath(octree_, index, block_.depth), BlockCells::Leaves, located.vertices);
-      located.planes = octantPlanes(octree_.grid(), index, block_.depth);
-      located.known = true;
-    }
-    return located;
-  }
-
-  const Octree& octree_;
-  BlockEvaluator evaluator_;
-  ContourMesh::Block block_;
-  std::array<LocatedBlock, 27> around_; // and the block itself in the middle
-};
 
 bool isDegenerate(const std::array<std::int64_t, 3>& triangle) noexcept
 {
   return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
 }
 
-/// Puts a part's own points where the mesh has them, and keeps the blocks that have some. sums: of gradients, or none.
-void placePoints(const PointNumbers& numbers, std::int64_t first,
-  const std::vector<std::array<double, 4>>& sums, ContourPart& part, ContourMesh& mesh)
+/// Puts a part's own points where the mesh has them, and keeps the blocks that have some.
+void placePoints(const PointNumbers& numbers, std::int64_t first, ContourPart& part, ContourMesh& mesh)
 {
   std::vector<ContourMesh::Block> blocks; // that have points of their own
   auto block = part.blocks.begin();
@@ -331,10 +243,6 @@ void placePoints(const PointNumbers& numbers, std::int64_t first,
     }
     const std::int64_t number = numbers(found);
     mesh.points[number] = part.points[p];
-    for (int a = 0; !sums.empty() && a < 3; ++a)
-    {
-      mesh.gradients[number][a] = sums[found][a] / sums[found][3];
-    }
     bool isFirst = blocks.empty();
     while (block + 1 != part.blocks.end() && (block + 1)->firstPoint <= static_cast<std::int64_t>(p))
     {
@@ -387,15 +295,13 @@ ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
       s.point += numbers.first(i);
     }
   });
-  auto sums = concatenated(parts, &ContourPart::gradients);
   {
     auto shared = concatenated(parts, &ContourPart::shared);
-    mergeCrossings(octantDepth, shared, numbers, sums);
+    mergeCrossings(octantDepth, shared, numbers);
   }
   ContourMesh mesh;
   mesh.points.resize(numbers.count());
-  mesh.gradients.resize(sums.empty() ? 0 : numbers.count());
-  forParts([&](std::size_t i) { placePoints(numbers, numbers.first(i), sums, parts[i], mesh); });
+  forParts([&](std::size_t i) { placePoints(numbers, numbers.first(i), parts[i], mesh); });
   mesh.blocks = concatenated(parts, &ContourPart::blocks);
 
   std::vector<std::size_t> firstTriangle{ 0 };
@@ -430,7 +336,7 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
     throw Error("contour: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
   }
   const auto goesOn = [&](double done) { return !options.progress || options.progress(done); };
-  Extraction extraction(field, isovalue, options.gradients);
+  Extraction extraction(field, isovalue);
   const std::vector<Task> tasks = extraction.tasks();
   std::vector<ContourPart> parts(tasks.size());
   constexpr std::size_t steps = 8;
@@ -448,32 +354,11 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
   const auto values = concatenated(parts, &ContourPart::values);
   closeTransitions(field.octree().grid(), octantDepth(field.octree()), lines, values, mesh);
   mesh.octree = field.octree().identity();
-  return goesOn(1.) ? std::move(mesh) : ContourMesh{};
-}
-
-std::vector<float> interpolate(const Field& field, const ContourMesh& mesh)
-{
-  if (!mesh.points.empty() && mesh.octree != field.octree().identity())
+  if (options.gradients)
   {
-    throw Error("contour: values for a mesh of another octree than the field's");
+    mesh.gradients = interpolateGradients(field, mesh);
   }
-  std::vector<float> values(mesh.points.size());
-  tbb::enumerable_thread_specific<BlockInterpolation> interpolations(
-    [&field] { return BlockInterpolation(field); });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.blocks.size(), 64), [&](const auto& range) {
-    BlockInterpolation& interpolation = interpolations.local();
-    for (std::size_t b = range.begin(); b != range.end(); ++b)
-    {
-      interpolation.goTo(mesh.blocks[b]);
-      const std::size_t end =
-        b + 1 < mesh.blocks.size() ? static_cast<std::size_t>(mesh.blocks[b + 1].firstPoint) : values.size();
-      for (auto p = static_cast<std::size_t>(mesh.blocks[b].firstPoint); p < end; ++p)
-      {
-        values[p] = interpolation.value(mesh.points[p]);
-      }
-    }
-  });
-  return values;
+  return goesOn(1.) ? std::move(mesh) : ContourMesh{};
 }
 
 } // namespace treeamr

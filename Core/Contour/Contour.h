@@ -44,8 +44,8 @@ struct ContourOptions
 
 /// The surface where the field passes the isovalue; at the isovalue is inside. A point on an edge of an
 /// octant lies where the trilinear field has the isovalue, but at least 2^-24 of the edge away from its ends:
-/// nothing collapses where vertices have the isovalue. Its gradient is the mean of the trilinear pieces that
-/// meet there.
+/// nothing collapses where vertices have the isovalue. Gradients are continuous across all levels: interpolated
+/// between those of the vertices (BlockGradients.h).
 ///
 /// The same bits for any number of threads. Empty when stopped. Throws Error when the isovalue is not finite.
 ContourMesh contour(const Field& field, double isovalue, const ContourOptions& options = {});

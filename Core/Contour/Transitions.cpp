@@ -33,8 +33,7 @@ struct Closed
 {
   std::vector<std::array<std::int64_t, 3>> triangles; // of points of the mesh or ~ a centre
   std::vector<std::array<double, 3>> centres;
-  std::vector<std::array<double, 3>> gradients; // at the centres
-  std::vector<ContourMesh::Block> blocks;       // of the centres
+  std::vector<ContourMesh::Block> blocks; // of the centres
 };
 
 class Closing
@@ -246,13 +245,10 @@ private:
       closed_.triangles.push_back({ loop[i], loop[(i + 1) % count], ~number });
     }
     const std::array<double, 3> local = loopCentre(pieceValues_, local_.data(), static_cast<int>(count));
-    const std::array<double, 3> slope = trilinearGradient(pieceValues_, local);
     std::array<double, 3>& centre = closed_.centres.emplace_back();
-    std::array<double, 3>& gradient = closed_.gradients.emplace_back();
     for (int a = 0; a < 3; ++a)
     {
       centre[a] = low[a] + local[a] * width[a];
-      gradient[a] = slope[a] / width[a];
     }
   }
 
@@ -282,17 +278,10 @@ void append(std::vector<Closed>& closed, ContourMesh& mesh)
       mesh.blocks.push_back(block);
     }
   }
-  const bool gradients = !mesh.gradients.empty();
   mesh.points.resize(firstCentre.back());
-  mesh.gradients.resize(gradients ? firstCentre.back() : 0);
   mesh.triangles.resize(firstTriangle.back());
   tbb::parallel_for(std::size_t(0), closed.size(), [&](std::size_t i) {
     std::copy(closed[i].centres.begin(), closed[i].centres.end(), mesh.points.begin() + firstCentre[i]);
-    if (gradients)
-    {
-      std::copy(
-        closed[i].gradients.begin(), closed[i].gradients.end(), mesh.gradients.begin() + firstCentre[i]);
-    }
     auto* to = mesh.triangles.data() + firstTriangle[i];
     for (const auto& triangle : closed[i].triangles)
     {

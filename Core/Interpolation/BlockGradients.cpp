@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace treeamr
 {
@@ -15,22 +17,52 @@ namespace
 constexpr std::array<int, 3> cellStride{ 1, 6, 36 };
 constexpr std::array<int, 3> pointStride{ 1, 9, 81 };
 
-int pointIndex(const std::array<int, 3>& place) noexcept
+/// Of a point of the lattice: where it is, and the cells around it.
+struct PointPlace
 {
-  return place[0] + pointStride[1] * place[1] + pointStride[2] * place[2];
+  std::array<std::uint8_t, 3> at;
+  std::uint8_t axes;      // mask of those along which it is between cells
+  std::uint8_t firstCell; // around it
+  std::uint8_t firstBit;  // that one's in the mask of its layer
+  std::uint8_t firstLayer;
+};
+
+/// Along an axis, point p is between the cells p / 2 and p / 2 + 1 when p is even, else in the middle of cell
+/// (p + 1) / 2.
+constexpr std::array<PointPlace, 729> pointPlaces = [] {
+  std::array<PointPlace, 729> places{};
+  for (int p = 0; p < 729; ++p)
+  {
+    const std::array<int, 3> at{ p % 9, p / 9 % 9, p / 81 };
+    int cell = 0;
+    int axes = 0;
+    for (int a = 0; a < 3; ++a)
+    {
+      places[p].at[a] = static_cast<std::uint8_t>(at[a]);
+      axes |= (at[a] % 2 == 0) << a;
+      cell += cellStride[a] * ((at[a] + 1) / 2);
+    }
+    places[p].axes = static_cast<std::uint8_t>(axes);
+    places[p].firstCell = static_cast<std::uint8_t>(cell);
+    places[p].firstBit = static_cast<std::uint8_t>(cell % 36);
+    places[p].firstLayer = static_cast<std::uint8_t>(cell / 36);
+  }
+  return places;
+}();
+
+/// Whether any of the cells around a point is in a mask.
+template <class CellMask>
+bool touches(const CellMask& mask, const PointPlace& place) noexcept
+{
+  constexpr std::array<std::uint64_t, 4> inLayer{ 0b1, 0b11, 0b1000001, 0b11000011 };
+  const std::uint64_t cells =
+    mask[place.firstLayer] | ((place.axes & 4) != 0 ? mask[place.firstLayer + 1] : 0);
+  return (cells >> place.firstBit & inLayer[place.axes & 3]) != 0;
 }
 
-/// The axes along which a vertex is between cells, as a mask: between the cells p / 2 and p / 2 + 1 when its place p is
-/// even, in the middle of cell (p + 1) / 2 otherwise.
-unsigned axesOf(const std::array<int, 3>& place) noexcept
+constexpr int vertexOfPoint(int point)
 {
-  return static_cast<unsigned>((place[0] & 1) | (place[1] & 1) << 1 | (place[2] & 1) << 2) ^ 7u;
-}
-
-/// The first of the cells around a vertex.
-int firstCell(const std::array<int, 3>& place) noexcept
-{
-  return (place[0] + 1) / 2 + cellStride[1] * ((place[1] + 1) / 2) + cellStride[2] * ((place[2] + 1) / 2);
+  return point % 9 - 2 + 5 * (point / 9 % 9 - 2) + 25 * (point / 81 - 2);
 }
 
 /// Corner `part` of those along the axes of a mask, as a mask of sides.
@@ -173,34 +205,54 @@ void GradientEvaluator::moveTo(const BlockPath& path, int leafDepth) noexcept
 void GradientEvaluator::gather(int depth, Level& level) const noexcept
 {
   const Neighbourhood& around = path_.around(depth);
-  const CellKind ofInner = depth + 1 >= leafDepth_ ? OfThisSize : Refined;
+  const bool takesInner = depth + 1 >= leafDepth_;
+  const float* leaves = field_.leafValues().data();
+  level.coarse = level.special = {};
   for (int entry = 0; entry < 27; ++entry)
   {
     const NodeRef node = around[entry];
-    const int first = 2 * (entry % 3) + cellStride[1] * 2 * (entry / 3 % 3) + cellStride[2] * 2 * (entry / 9);
+    const int z = entry / 9;
+    const int firstBit = 2 * (entry % 3) + cellStride[1] * 2 * (entry / 3 % 3);
+    const int first = firstBit + cellStride[2] * 2 * z;
+    const auto add = [&](CellMask& mask, unsigned octants) {
+      const auto layer = [&](unsigned four) {
+        return static_cast<std::uint64_t>((four & 3) | (four & 12) << 4) << firstBit;
+      };
+      mask[2 * z] |= layer(octants & 15);
+      mask[2 * z + 1] |= layer(octants >> 4);
+    };
     if (!node.isInner())
     {
+      add(level.special, 0xff);
+      add(level.coarse, node.isLeaf() ? 0xff : 0);
       for (int o = 0; o < 8; ++o)
       {
-        const int cell = first + cornerOffset(o, cellStride);
-        level.kind[cell] = node.isLeaf() ? Coarse : Missing;
-        level.cellValue[cell] = 0.;
+        level.cellValue[first + cornerOffset(o, cellStride)] = 0.;
+        level.inner[first + cornerOffset(o, cellStride)] = noNode;
       }
       continue;
     }
     const Octree::Children children = octree_.children(node.index());
+    if (children.allLeaves())
+    {
+      for (int o = 0; o < 8; ++o)
+      {
+        level.cellValue[first + cornerOffset(o, cellStride)] = leaves[children.firstLeaf + o];
+      }
+      continue;
+    }
+    add(level.special, 0xff & ~(takesInner ? children.exists : children.leaf));
     for (int o = 0; o < 8; ++o)
     {
       const int cell = first + cornerOffset(o, cellStride);
       const NodeRef child = children.node(o, depth + 1);
-      level.kind[cell] = child.isNone() ? Missing : child.isInner() ? ofInner : OfThisSize;
-      level.inner[cell] = child.index();
+      level.inner[cell] = child.isInner() ? child.index() : noNode;
       level.cellValue[cell] = child.isNone() ? 0. : field_.value(child);
     }
   }
 }
 
-/// Relative to the first vertex, so that no digits are lost far from the origin.
+/// Relative to the first point, so that no digits are lost far from the origin.
 void GradientEvaluator::measure(int depth, Level& level) const noexcept
 {
   const int ofVertices = depth + 2 - octree_.grid().paddingDepth(); // level of their lattice
@@ -232,63 +284,84 @@ GradientEvaluator::Level& GradientEvaluator::levelAt(int depth) noexcept
   return level;
 }
 
-/// The value of a vertex, and of what cells it is.
-GradientEvaluator::Point GradientEvaluator::pointAt(int depth, const Place& place) noexcept
+/// The mean of the cells around a point, all leaves of one size.
+template <unsigned Axes>
+double meanAround(const double* first) noexcept
 {
-  Level& level = this->levelAt(depth);
-  const int index = pointIndex(place);
-  if (level.known[index])
+  constexpr std::array steps = cellSteps<Axes>();
+  double sum = 0.;
+  for (const int step : steps)
   {
-    return level.point[index];
+    sum += first[step];
   }
-  const int cell = firstCell(place);
-  Point& point = level.point[index];
-  level.known[index] = true;
-  if (this->hangs(level, place))
+  return sum * (1. / steps.size());
+}
+
+/// Calls f<axes>() for a mask that is known when the program runs, and returns what it does.
+template <class F>
+auto withAxes(unsigned axes, const F& f) noexcept
+{
+  switch (axes)
   {
-    return point = this->betweenCoarser(depth, place); // asks coarser levels alone: this one keeps its node
+    case 0:
+      return f.template operator()<0>();
+    case 1:
+      return f.template operator()<1>();
+    case 2:
+      return f.template operator()<2>();
+    case 3:
+      return f.template operator()<3>();
+    case 4:
+      return f.template operator()<4>();
+    case 5:
+      return f.template operator()<5>();
+    case 6:
+      return f.template operator()<6>();
+    default:
+      return f.template operator()<7>();
   }
-  block::forAxes([&]<unsigned Axes>() noexcept {
-    if (Axes == axesOf(place))
-    {
-      point = this->onLattice<Axes>(depth, level, cell);
-    }
-  });
-  return point;
+}
+
+/// Of a point of the path's node at a depth, whose level it is.
+GradientEvaluator::Value GradientEvaluator::valueAt(int depth, Level& level, int point) noexcept
+{
+  const PointPlace& place = pointPlaces[point];
+  if (!touches(level.special, place))
+  {
+    const double* first = level.cellValue.data() + place.firstCell;
+    return { withAxes(place.axes, [&]<unsigned Axes>() noexcept { return meanAround<Axes>(first); }), true,
+      allAxes };
+  }
+  if (!level.known[point])
+  {
+    level.known[point] = true;
+    level.value[point] = touches(level.coarse, place)
+      ? this->betweenCoarser(depth, point) // asks coarser levels alone: this one keeps its node
+      : withAxes(place.axes,
+          [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
+  }
+  return level.value[point];
 }
 
 /// Of one that does not hang.
 template <unsigned Axes>
-GradientEvaluator::Point GradientEvaluator::onLattice(
+GradientEvaluator::Value GradientEvaluator::onLattice(
   int depth, const Level& level, int firstCell) const noexcept
 {
   constexpr int dimensions = std::popcount(Axes);
   constexpr int slots = 1 << dimensions;
   constexpr std::array<int, slots> steps = cellSteps<Axes>();
-  unsigned kinds = 0;
-  bool anyLeaf = false;
-  double sum = 0.;
-  for (int s = 0; s < slots; ++s)
-  {
-    const int cell = firstCell + steps[s];
-    kinds |= level.kind[cell];
-    anyLeaf |= level.kind[cell] == OfThisSize;
-    sum += level.cellValue[cell];
-  }
-  if (kinds == OfThisSize)
-  {
-    return { sum / slots, true, allAxes };
-  }
-  if (!anyLeaf)
+  const auto isSpecial = [&](int cell) { return level.special[cell / 36] >> cell % 36 & 1; };
+  if (std::all_of(steps.begin(), steps.end(), [&](int step) { return isSpecial(firstCell + step); }))
   {
     std::array<NodeRef, 8> around{};
     for (int side = 0; side < 8; ++side)
     {
-      const int cell = firstCell + cellStep(static_cast<unsigned>(side) & Axes);
-      if (level.kind[cell] == Refined)
+      const std::uint64_t inner = level.inner[firstCell + cellStep(static_cast<unsigned>(side) & Axes)];
+      if (inner != noNode)
       {
-        around[side] = octree_.children(level.inner[cell])
-                         .node(touchingChild(Axes, static_cast<unsigned>(side)), depth + 2);
+        around[side] =
+          octree_.children(inner).node(touchingChild(Axes, static_cast<unsigned>(side)), depth + 2);
       }
     }
     return this->amidFiner(around);
@@ -298,7 +371,7 @@ GradientEvaluator::Point GradientEvaluator::onLattice(
   for (int s = 0; s < slots; ++s)
   {
     const int cell = firstCell + steps[s];
-    if (level.kind[cell] == OfThisSize)
+    if (!isSpecial(cell))
     {
       cells.add(s, level.cellValue[cell], false);
       for (int c = 0; c < 8 / slots; ++c)
@@ -306,7 +379,7 @@ GradientEvaluator::Point GradientEvaluator::onLattice(
         sides |= 1u << (sidesOf(Axes, s) | sidesOf(~Axes, c));
       }
     }
-    else if (level.kind[cell] == Refined)
+    else if (level.inner[cell] != noNode)
     {
       const Octree::Children children = octree_.children(level.inner[cell]);
       double value = 0.;
@@ -331,9 +404,9 @@ GradientEvaluator::Point GradientEvaluator::onLattice(
   return { cells.value(), true, evenAxes(sides) };
 }
 
-/// A vertex that only finer leaves touch: a corner of theirs, at the level of the largest. around: the nodes of one
+/// A point that only finer leaves touch: a corner of theirs, at the level of the largest. around: the nodes of one
 /// level at its sides.
-GradientEvaluator::Point GradientEvaluator::amidFiner(std::array<NodeRef, 8> around) const noexcept
+GradientEvaluator::Value GradientEvaluator::amidFiner(std::array<NodeRef, 8> around) const noexcept
 {
   const auto isLeaf = [&](NodeRef node) {
     return node.isLeaf() || (node.isInner() && node.depth() >= leafDepth_);
@@ -370,151 +443,141 @@ GradientEvaluator::Point GradientEvaluator::amidFiner(std::array<NodeRef, 8> aro
   return { cells.value(), true, evenAxes(sides) };
 }
 
-/// Calls f(place) for the vertices of the next coarser level that one lies halfway between, and returns their number.
+/// Calls f(point) for those of the next coarser level that a point lies halfway between, and returns their number.
 template <class F>
-int GradientEvaluator::forCoarser(int depth, const Place& place, const F& f) noexcept
+int GradientEvaluator::forCoarser(int depth, int point, const F& f) noexcept
 {
   const int octant = octantAbove(path_.index(depth), 0);
-  int count = 0;
-  for (int corner = 0; corner < 8; ++corner)
+  const PointPlace& place = pointPlaces[point];
+  int first = 0;
+  unsigned halfway = 0; // mask of axes
+  for (int a = 0; a < 3; ++a)
   {
-    Place coarser;
-    bool isOne = true;
-    for (int a = 0; a < 3; ++a)
+    const int twice = place.at[a] + 2 + 4 * sideOf(octant, a); // from the first point of the coarser level
+    first += pointStride[a] * (twice / 2);
+    halfway |= static_cast<unsigned>(twice & 1) << a;
+  }
+  for (unsigned sides = halfway;; sides = (sides - 1) & halfway)
+  {
+    f(first + cornerOffset(static_cast<int>(sides), pointStride));
+    if (sides == 0)
     {
-      const int twice = place[a] + 2 + 4 * sideOf(octant, a); // from the first vertex of the coarser level
-      coarser[a] = (twice + sideOf(corner, a)) / 2;
-      isOne = isOne && (twice % 2 != 0 || sideOf(corner, a) == 0);
-    }
-    if (isOne)
-    {
-      f(coarser);
-      ++count;
+      return 1 << std::popcount(halfway);
     }
   }
-  return count;
 }
 
-/// One of the coarser vertices may hang, too.
-GradientEvaluator::Point GradientEvaluator::betweenCoarser(int depth, const Place& place) noexcept
+/// One of the coarser points may hang, too.
+GradientEvaluator::Value GradientEvaluator::betweenCoarser(int depth, int point) noexcept
 {
-  Point sum{ 0., true, allAxes };
-  const int count = this->forCoarser(depth, place, [&](const Place& coarser) {
-    const Point point = this->pointAt(depth - 1, coarser);
-    sum.value += point.value;
-    sum.evenAxes &= point.evenAxes;
+  Level& coarser = this->levelAt(depth - 1);
+  Value sum{ 0., true, allAxes };
+  const int count = this->forCoarser(depth, point, [&](int p) {
+    const Value one = this->valueAt(depth - 1, coarser, p);
+    sum.value += one.value;
+    sum.evenAxes &= one.evenAxes;
   });
   sum.value /= count;
   return sum;
 }
 
-/// Of a vertex of the node itself.
-Vec3 GradientEvaluator::gradientAt(int depth, const Place& place) noexcept
+/// At a point that is a vertex of the node itself.
+Vec3 GradientEvaluator::gradientAt(int depth, Level& level, int point) noexcept
 {
-  Level& level = this->levelAt(depth);
-  const int index = block::vertexIndex(place[0] - 2, place[1] - 2, place[2] - 2);
-  if (!level.gradientKnown[index])
+  const int vertex = vertexOfPoint(point);
+  if (level.gradientKnown[vertex])
   {
-    Vec3 gradient{};
-    if (this->hangs(level, place))
-    {
-      const int count = this->forCoarser(depth, place, [&](const Place& coarser) {
-        const Vec3 one = this->gradientAt(depth - 1, coarser);
-        for (int a = 0; a < 3; ++a)
-        {
-          gradient[a] += one[a];
-        }
-      });
-      for (double& slope : gradient)
-      {
-        slope /= count;
-      }
-    }
-    else
-    {
+    return level.gradient[vertex];
+  }
+  Vec3 gradient{};
+  if (touches(level.coarse, pointPlaces[point]))
+  {
+    Level& coarser = this->levelAt(depth - 1);
+    const int count = this->forCoarser(depth, point, [&](int p) {
+      const Vec3 one = this->gradientAt(depth - 1, coarser, p);
       for (int a = 0; a < 3; ++a)
       {
-        gradient[a] = this->slopeAt(depth, a, place);
+        gradient[a] += one[a];
       }
-    }
-    level.gradient[index] = gradient;
-    level.gradientKnown[index] = true;
-  }
-  return level.gradient[index];
-}
-
-bool GradientEvaluator::hangs(const Level& level, const Place& place) const noexcept
-{
-  const unsigned axes = axesOf(place);
-  const int first = firstCell(place);
-  unsigned kinds = 0;
-  for (unsigned sides = axes;; sides = (sides - 1) & axes)
-  {
-    kinds |= level.kind[first + cellStep(sides)];
-    if (sides == 0)
+    });
+    for (double& slope : gradient)
     {
-      return kinds & Coarse;
+      slope /= count;
     }
   }
+  else
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      gradient[a] = this->slopeAt(depth, level, a, point);
+    }
+  }
+  level.gradient[vertex] = gradient;
+  level.gradientKnown[vertex] = true;
+  return gradient;
 }
 
-double GradientEvaluator::slopeAt(int depth, int axis, const Place& place) noexcept
+double GradientEvaluator::slopeAt(int depth, Level& level, int axis, int point) noexcept
 {
-  const auto pointAlong = [&](int step) {
-    Place along = place;
-    along[axis] += step;
-    return this->pointAt(depth, along);
-  };
-  const auto slope = [&](int low, int high) {
-    const auto& at = levels_[depth].at[axis];
-    return (pointAlong(high).value - pointAlong(low).value) /
-      (at[place[axis] + high] - at[place[axis] + low]);
-  };
-  const auto isEven = [&](int step) { return pointAlong(step).evenAxes >> axis & 1; };
-  if (isEven(-2) && isEven(2))
+  const Value low = this->valueAt(depth, level, point - 2 * pointStride[axis]);
+  const Value high = this->valueAt(depth, level, point + 2 * pointStride[axis]);
+  if ((low.evenAxes & high.evenAxes) >> axis & 1)
   {
-    return slope(-2, 2);
+    const double* at = level.at[axis].data() + pointPlaces[point].at[axis];
+    return (high.value - low.value) / (at[2] - at[-2]);
   }
-  const auto isThere = [&](int step) { return pointAlong(step).isThere; };
+  return this->slopeBesideMissing(depth, level, axis, point);
+}
+
+double GradientEvaluator::slopeBesideMissing(int depth, Level& level, int axis, int point) noexcept
+{
+  std::array<Value, 5> along;
+  for (int i = 0; i < 5; ++i)
+  {
+    along[i] = this->valueAt(depth, level, point + (i - 2) * pointStride[axis]);
+  }
   const auto outermost = [&](const auto& counts) {
-    std::array<int, 2> steps{ -2, 2 };
-    while (steps[0] < steps[1] && !counts(steps[0]))
-    {
-      ++steps[0];
-    }
-    while (steps[0] < steps[1] && !counts(steps[1]))
-    {
-      --steps[1];
-    }
-    return steps;
+    const auto low = std::find_if(along.begin(), along.end(), counts);
+    const auto high = std::find_if(along.rbegin(), along.rend(), counts);
+    return std::pair(static_cast<int>(low - along.begin()), 4 - static_cast<int>(high - along.rbegin()));
   };
-  const std::array<int, 2> even = outermost(isEven);
-  // A cell touches the vertex, and so two of the points.
-  const auto [low, high] = even[0] < even[1] ? even : outermost(isThere);
-  return slope(low, high);
+  auto [low, high] = outermost([axis](const Value& v) { return v.evenAxes >> axis & 1; });
+  if (low >= high)
+  {
+    std::tie(low, high) = outermost([](const Value& v) { return v.isThere; });
+  }
+  // Of a vertex that a cell touches there are two of the points.
+  const double* at = level.at[axis].data() + pointPlaces[point].at[axis] - 2;
+  return low < high ? (along[high].value - along[low].value) / (at[high] - at[low]) : 0.;
 }
 
 void GradientEvaluator::compute(
-  const BlockPath& path, BlockCells cells, std::uint64_t octants, BlockGradients& gradients) noexcept
+  const BlockPath& path, BlockCells cells, const BlockVertices& vertices, BlockGradients& gradients) noexcept
 {
   this->moveTo(path, cells == BlockCells::Means ? path.depth + 1 : Octree::maxDepth + 1);
-  std::bitset<block::vertexCount> wanted;
+  Level& level = this->levelAt(path.depth);
+  for (int z = 0; z < block::verticesPerEdge; ++z)
+  {
+    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+    {
+      const int bit = std::countr_zero(rest);
+      const int point = bit % 5 + 2 + pointStride[1] * (bit / 5 + 2) + pointStride[2] * (z + 2);
+      gradients[bit + block::vertexStride[2] * z] = this->gradientAt(path.depth, level, point);
+    }
+  }
+}
+
+BlockVertices verticesOfOctants(std::uint64_t octants) noexcept
+{
+  BlockVertices vertices{};
   for (; octants != 0; octants &= octants - 1)
   {
     const int octant = std::countr_zero(octants);
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      wanted.set(block::vertexIndex(octant & 3, octant >> 2 & 3, octant >> 4) +
-        cornerOffset(corner, block::vertexStride));
-    }
+    const std::uint32_t square = 0b1100011u << ((octant & 3) + block::verticesPerEdge * (octant >> 2 & 3));
+    vertices[octant >> 4] |= square;
+    vertices[(octant >> 4) + 1] |= square;
   }
-  for (int v = 0; v < block::vertexCount; ++v)
-  {
-    if (wanted[v])
-    {
-      gradients[v] = this->gradientAt(path.depth, { v % 5 + 2, v / 5 % 5 + 2, v / 25 + 2 });
-    }
-  }
+  return vertices;
 }
 
 } // namespace treeamr

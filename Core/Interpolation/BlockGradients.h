@@ -32,6 +32,17 @@ namespace treeamr
 /// d value / d world coordinate, in the order of BlockValues. Vertices that were not asked for hold anything.
 using BlockGradients = std::array<Vec3, block::vertexCount>;
 
+/// Some of a block's vertices: by z a mask with the bits x + 5 y.
+using BlockVertices = std::array<std::uint32_t, block::verticesPerEdge>;
+
+inline void add(BlockVertices& vertices, int x, int y, int z) noexcept
+{
+  vertices[z] |= 1u << (x + block::verticesPerEdge * y);
+}
+
+/// Those of octants x + 4 y + 16 z.
+BlockVertices verticesOfOctants(std::uint64_t octants) noexcept;
+
 /// Of one field, which must live as long, for one thread. The way down the tree, and what is known along it, is kept
 /// for the next block.
 class GradientEvaluator
@@ -39,44 +50,39 @@ class GradientEvaluator
 public:
   explicit GradientEvaluator(const Field& field);
 
-  /// At the vertices of some octants, a bit x + 4 y + 16 z for each, of the drawn children of the inner node at the
-  /// path's end. With means, every node of the children's size is taken as a leaf.
-  void compute(
-    const BlockPath& path, BlockCells cells, std::uint64_t octants, BlockGradients& gradients) noexcept;
+  /// At some vertices, each of a drawn child, of the inner node at the path's end. With means, every node of the
+  /// children's size is taken as a leaf.
+  void compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
+    BlockGradients& gradients) noexcept;
 
 private:
   /// In and around an inner node lie 6 x 6 x 6 cells of its children's size, from its lower corner -2 to 3 along each
-  /// axis, and 9 x 9 x 9 vertices, -2 to 6 half widths from that corner. Either count from 0 here.
+  /// axis, and 9 x 9 x 9 points of their octants' lattice, -2 to 6 half widths from that corner. Either count from 0
+  /// here; a point by its index x + 9 y + 81 z.
   static constexpr int cellsPerEdge = 6;
   static constexpr int pointsPerEdge = 9;
   static constexpr int cellCount = cellsPerEdge * cellsPerEdge * cellsPerEdge;
   static constexpr int pointCount = pointsPerEdge * pointsPerEdge * pointsPerEdge;
-  using Place = std::array<int, 3>; // of a vertex
 
-  enum CellKind : std::uint8_t // bits
-  {
-    OfThisSize = 0,
-    Coarse = 1, // part of a coarser leaf
-    Refined = 2,
-    Missing = 4
-  };
   static constexpr std::uint8_t allAxes = 7;
-  struct Point
+  struct Value
   {
     double value;
-    bool isThere;          // some cell touches it
+    bool isThere;          // some cell touches the point
     std::uint8_t evenAxes; // mask; none where no cell touches it
   };
+  /// Of cells, by z, with the bits x + 6 y.
+  using CellMask = std::array<std::uint64_t, cellsPerEdge>;
   struct Level
   {
     std::uint64_t node = noNode;
-    std::array<CellKind, cellCount> kind;
-    std::array<double, cellCount> cellValue;    // 0 of coarse and missing ones
-    std::array<std::uint64_t, cellCount> inner; // of refined cells
-    std::array<std::array<double, pointsPerEdge>, 3>
-      at; // world coordinates of the vertices, from the first on
+    CellMask coarse;                                     // parts of coarser leaves
+    CellMask special;                                    // and what else is no leaf of this size
+    std::array<double, cellCount> cellValue;             // 0 of coarse and missing ones
+    std::array<std::uint64_t, cellCount> inner;          // of special cells; noNode: it is missing or coarse
+    std::array<std::array<double, pointsPerEdge>, 3> at; // world coordinates of the points, from the first on
     std::bitset<pointCount> known;
-    std::array<Point, pointCount> point;
+    std::array<Value, pointCount> value; // of points beside special cells
     std::bitset<block::vertexCount> gradientKnown;
     BlockGradients gradient;
   };
@@ -87,16 +93,16 @@ private:
   void measure(int depth, Level& level) const noexcept;
   Level& levelAt(int depth) noexcept;
 
-  Point pointAt(int depth, const Place& place) noexcept;
+  Value valueAt(int depth, Level& level, int point) noexcept;
   template <unsigned Axes>
-  Point onLattice(int depth, const Level& level, int firstCell) const noexcept;
-  Point amidFiner(std::array<NodeRef, 8> around) const noexcept;
+  Value onLattice(int depth, const Level& level, int firstCell) const noexcept;
+  Value amidFiner(std::array<NodeRef, 8> around) const noexcept;
+  Value betweenCoarser(int depth, int point) noexcept;
   template <class F>
-  int forCoarser(int depth, const Place& place, const F& f) noexcept;
-  Point betweenCoarser(int depth, const Place& place) noexcept;
-  Vec3 gradientAt(int depth, const Place& place) noexcept;
-  bool hangs(const Level& level, const Place& place) const noexcept;
-  double slopeAt(int depth, int axis, const Place& place) noexcept;
+  int forCoarser(int depth, int point, const F& f) noexcept;
+  Vec3 gradientAt(int depth, Level& level, int vertex) noexcept;
+  double slopeAt(int depth, Level& level, int axis, int point) noexcept;
+  double slopeBesideMissing(int depth, Level& level, int axis, int point) noexcept;
   double rootWidth(int axis, Coord root) const noexcept;
 
   const Field& field_;

@@ -108,7 +108,8 @@ TEST(BlockGradients, EqualTheBruteForceEvaluation)
       const int octant = randomOctant(children, random);
       const int vertex = cornerOf(octant, static_cast<int>(random() % 8));
       BlockGradients gradients;
-      evaluator.compute(BlockPath(block), BlockCells::Leaves, std::uint64_t(1) << octant, gradients);
+      evaluator.compute(
+        BlockPath(block), BlockCells::Leaves, verticesOfOctants(std::uint64_t(1) << octant), gradients);
       const BruteForceGTI::Vertex v = finestVertex(field->octree(), block, vertex);
       const Vec3 expected = brute.gradient(v, grid);
       const Vec3& found = gradients[vertex];
@@ -153,7 +154,7 @@ TEST(BlockGradients, OfTrilinearFieldsAreExact)
         octants |= static_cast<std::uint64_t>(children.leaf >> child & 1) << o;
       }
       BlockGradients gradients;
-      evaluator.compute(BlockPath(block), BlockCells::Leaves, octants, gradients);
+      evaluator.compute(BlockPath(block), BlockCells::Leaves, verticesOfOctants(octants), gradients);
       for (; octants != 0; octants &= octants - 1)
       {
         for (int corner = 0; corner < 8; ++corner)
@@ -192,7 +193,7 @@ TEST(BlockGradients, OfAPlaneReachTheDomainsEnd)
   GradientEvaluator evaluator(*field);
   forEachBlock(field->octree(), [&](const TreePath& block, const Octree::Children&) {
     BlockGradients gradients;
-    evaluator.compute(BlockPath(block), BlockCells::Leaves, allOctants, gradients);
+    evaluator.compute(BlockPath(block), BlockCells::Leaves, verticesOfOctants(allOctants), gradients);
     for (const Vec3& gradient : gradients)
     {
       EXPECT_EQ(gradient, (Vec3{ 1., -2., 4. }));
@@ -244,9 +245,10 @@ TEST(BlockGradients, OfMeansAreThoseOfTheTreeCutThere)
     BlockGradients means;
     BlockGradients leaves;
     BlockGradients expected;
-    evaluator.compute(path, BlockCells::Leaves, 1, leaves); // in between: what is known of either is another
-    evaluator.compute(path, BlockCells::Means, allOctants, means);
-    ofCut.compute(BlockPath(at), BlockCells::Leaves, allOctants, expected);
+    evaluator.compute(path, BlockCells::Leaves, verticesOfOctants(1),
+      leaves); // in between: what is known of either is another
+    evaluator.compute(path, BlockCells::Means, verticesOfOctants(allOctants), means);
+    ofCut.compute(BlockPath(at), BlockCells::Leaves, verticesOfOctants(allOctants), expected);
     EXPECT_EQ(means, expected);
     refined += field->octree().children(path.node[path.depth]).innerCount();
   });
@@ -272,8 +274,8 @@ TEST(BlockGradients, KeepTheirDigitsForFieldsAndCellsOfAnySize)
       std::mt19937 random(3);
       all.emplace_back();
       all.back().fill({});
-      evaluator.compute(
-        BlockPath(block), BlockCells::Leaves, std::uint64_t(1) << randomOctant(children, random), all.back());
+      evaluator.compute(BlockPath(block), BlockCells::Leaves,
+        verticesOfOctants(std::uint64_t(1) << randomOctant(children, random)), all.back());
     });
     return all;
   };

@@ -6,6 +6,7 @@
 #include "Interpolation/Sampler.h"
 #include "Octree/OctreeBuilder.h"
 #include "Octree/TreePath.h"
+#include "Support/BruteForceGTI.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
@@ -479,6 +480,64 @@ TEST(Contour, OfATrilinearFunctionIsExact)
     }
   }
   EXPECT_GT(checked, 3000);
+}
+
+TEST(Contour, GradientsAreThoseBetweenVertices)
+{
+  int checked = 0;
+  double worst = 0.; // part of the steepest around
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto cells = makeRandomTree(options);
+    const BruteForceGTI brute(options.roots, cells);
+    const RootGrid grid = RootGrid::uniform(options.roots, { 0., 0., 0. }, { 1., 1., 1. });
+    const Field field = makeField(options, cells);
+    const ContourMesh mesh = contour(field, 0.125, { .gradients = true });
+    ASSERT_EQ(mesh.gradients.size(), mesh.points.size());
+    for (std::size_t i = options.seed; i < mesh.points.size(); i += mesh.points.size() / 10)
+    {
+      const CellId* leaf = brute.leafAt(mesh.points[i]);
+      if (!leaf)
+      {
+        continue; // on a face towards a missing cell
+      }
+      BruteForceGTI::Vertex first; // of the octant
+      std::array<double, 3> part;
+      const int up = field.octree().leafLevels() - leaf->level;
+      for (int a = 0; a < 3; ++a)
+      {
+        const double octants = std::ldexp(mesh.points[i][a], leaf->level + 1);
+        const Coord low = std::clamp(static_cast<Coord>(octants), 2 * leaf->index[a], 2 * leaf->index[a] + 1);
+        first[a] = low << up;
+        part[a] = octants - static_cast<double>(low);
+      }
+      Point expected{};
+      double steepest = 0.;
+      for (int corner = 0; corner < 8; ++corner)
+      {
+        BruteForceGTI::Vertex v = first;
+        double weight = 1.;
+        for (int a = 0; a < 3; ++a)
+        {
+          v[a] += Coord(corner >> a & 1) << up;
+          weight *= corner >> a & 1 ? part[a] : 1. - part[a];
+        }
+        const Point gradient = brute.gradient(v, grid);
+        for (int a = 0; a < 3; ++a)
+        {
+          expected[a] += weight * gradient[a];
+          steepest = std::max(steepest, std::abs(gradient[a]));
+        }
+      }
+      for (int a = 0; a < 3; ++a)
+      {
+        worst = std::max(worst, std::abs(mesh.gradients[i][a] - expected[a]) / steepest);
+      }
+      ++checked;
+    }
+  }
+  EXPECT_LT(worst, 1e-5);
+  EXPECT_GT(checked, 250);
 }
 
 TEST(Contour, DoesNotDependOnTheNumberOfThreads)
