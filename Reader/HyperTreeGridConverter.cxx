@@ -43,7 +43,8 @@ public:
     return acquire(fields_, topology, values, [&](const ContentDigest& octreeKey) {
       Field field = build(topology, octreeKey, values);
       checkDigits(field, values);
-      return field;
+      return values.array().GetDataType() == VTK_FLOAT ? std::move(field)
+                                                       : withOffset(std::move(field), topology, values);
     });
   }
 
@@ -163,6 +164,34 @@ private:
               << " and more, the range of single precision: multiply them by a constant";
       throw Error(message.str());
     }
+  }
+
+  /// The field itself where floats hold its digits, else the same less an offset.
+  static Field withOffset(Field field, const HyperTreeGridTopology& topology, const CellValues& values)
+  {
+    // Floats tell of the offset what they have digits for, 24 of the 53 or 64 bits at a time.
+    constexpr int rounds = 3;
+    for (int i = 0; i < rounds; ++i)
+    {
+      const Range range = field.range();
+      const double offset = offsetFor(range.min, range.max, field.offset());
+      if (offset == field.offset())
+      {
+        break;
+      }
+      const std::shared_ptr<const Octree> octree = field.sharedOctree();
+      const RelativeValues relative(values, offset);
+      field = Field(octree, gatherLeafValues(*octree, HyperTreeGridSource(topology, relative)), offset);
+    }
+    // One value, of which float has all digits: that is what it was.
+    const double offset = field.offset();
+    const Range range = field.range();
+    if (offset != 0. && range.min == 0.f && range.max == 0.f && static_cast<float>(offset) == offset)
+    {
+      LargeVector<float> same(field.leafValues().size(), static_cast<float>(offset));
+      field = Field(field.sharedOctree(), std::move(same));
+    }
+    return field;
   }
 
   static void checkCells(const HyperTreeGridTopology& topology)

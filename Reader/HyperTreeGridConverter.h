@@ -3,7 +3,8 @@
 // Drawn are the leaves of the trees, or the vertices at the grid's depth limit with the volume-weighted mean
 // of the leaves below. Left out are cells that are masked or hidden (HIDDENCELL in vtkGhostType), and cells
 // whose value is not finite or beyond the range of float. Leaves marked DUPLICATECELL become ghosts. Values
-// are computed in double and stored as float: about 7 digits, so of 1e9 + a small variation little is left.
+// are computed in double and stored as float, those of doubles and integers, where it takes that to keep their digits,
+// less an offset (Field/FieldOffset.h). It comes from the range of the values that are drawn, whatever is left out.
 #pragma once
 
 #include "vtkTreeAMRReaderModule.h" // for the export macro

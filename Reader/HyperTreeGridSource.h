@@ -10,8 +10,11 @@
 
 #include "vtkAOSDataArrayTemplate.h"
 #include "vtkDataArray.h"
+#include "vtkVariant.h"
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 namespace treeamr
 {
@@ -45,6 +48,10 @@ public:
     {
       floats_ = floats->GetPointer(0);
     }
+    else if (this->hasLongIntegers() && array_->HasStandardMemoryLayout())
+    {
+      longs_ = static_cast<const unsigned char*>(array_->GetVoidPointer(0));
+    }
   }
 
   double operator()(vtkIdType index) const
@@ -62,6 +69,18 @@ public:
       squares += v * v;
     }
     return std::sqrt(squares);
+  }
+  /// less(index, 0.) without what double rounds off: 64-bit integers are subtracted as such, if only their distance
+  /// from the offset is below 2^63.
+  double less(vtkIdType index, double offset) const
+  {
+    if (component_ < 0 || !this->hasLongIntegers())
+    {
+      return (*this)(index)-offset;
+    }
+    const double whole = std::floor(offset);
+    const std::uint64_t difference = this->bits(index * componentCount_ + component_) - bitsOf(whole);
+    return static_cast<double>(static_cast<std::int64_t>(difference)) - (offset - whole);
   }
   bool isFinite(vtkIdType index) const
   {
@@ -82,6 +101,11 @@ public:
     }
     for (vtkIdType i = 0; i < count; ++i)
     {
+      if (this->hasLongIntegers())
+      {
+        digest.add(this->bits(i));
+        continue;
+      }
       digest.add(array_->GetComponent(i / componentCount_, static_cast<int>(i % componentCount_)));
     }
     return digest;
@@ -108,11 +132,52 @@ public:
   };
 
 private:
+  bool hasLongIntegers() const
+  {
+    return array_->GetDataTypeSize() == sizeof(std::uint64_t) && array_->GetDataType() != VTK_DOUBLE;
+  }
+  /// Of such an array's value, signed or not: differences modulo 2^64 are the same.
+  std::uint64_t bits(vtkIdType at) const
+  {
+    if (longs_)
+    {
+      std::uint64_t bits;
+      std::memcpy(&bits, longs_ + at * sizeof(bits), sizeof(bits));
+      return bits;
+    }
+    const vtkVariant value = array_->GetVariantValue(at);
+    return array_->GetDataTypeMin() < 0. ? static_cast<std::uint64_t>(value.ToTypeInt64())
+                                         : value.ToTypeUInt64();
+  }
+  /// Of a whole number from -2^63 to 2^64, which counts as 0.
+  static std::uint64_t bitsOf(double whole)
+  {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(whole < 0x1p63 ? whole : whole - 0x1p64));
+  }
+
   vtkDataArray* array_ = nullptr;
   const double* doubles_ = nullptr; // the array's memory when it is of this type
   const float* floats_ = nullptr;
+  const unsigned char* longs_ = nullptr; // of 64-bit integers
   int componentCount_ = 0;
   int component_ = 0;
+};
+
+/// The same less an offset. Keeps a reference to the values.
+class RelativeValues
+{
+public:
+  RelativeValues(const CellValues& values, double offset)
+    : values_(values)
+    , offset_(offset)
+  {
+  }
+  double operator()(vtkIdType index) const { return values_.less(index, offset_); }
+  using Blend = CellValues::Blend;
+
+private:
+  const CellValues& values_;
+  double offset_;
 };
 
 /// For an octree alone.

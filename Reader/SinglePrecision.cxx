@@ -1,22 +1,11 @@
 #include "SinglePrecision.h"
 
-#include "HyperTreeGridSource.h"
-#include "HyperTreeGridTopology.h"
-
-#include "vtkCellData.h"
 #include "vtkDataArray.h"
-#include "vtkHyperTreeGrid.h"
-
-#include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <atomic>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <sstream>
-#include <vector>
 
 namespace treeamr
 {
@@ -24,20 +13,19 @@ namespace treeamr
 namespace
 {
 
-/// Places of the floats in their order, one after the other; both zeros have the same.
-std::int64_t placeOf(float value)
+double largestOf(Range range, double offset)
 {
-  const auto bits = std::bit_cast<std::int32_t>(value);
-  return bits >= 0 ? bits : std::int64_t(std::numeric_limits<std::int32_t>::min()) - bits;
+  return std::max(std::abs(offset + range.min), std::abs(offset + range.max));
 }
 
 } // namespace
 
-Remark roundedIntegers(vtkDataArray& array)
+Remark roundedIntegers(vtkDataArray& array, const Field& field)
 {
   constexpr double exact = 1 << std::numeric_limits<float>::digits;
   const int type = array.GetDataType();
-  if (type == VTK_FLOAT || type == VTK_DOUBLE || array.GetDataTypeSize() < 4)
+  if (type == VTK_FLOAT || type == VTK_DOUBLE || array.GetDataTypeSize() < 4 ||
+    (field.offset() != 0. && largestOf(field.range(), 0.) <= exact))
   {
     return {};
   }
@@ -53,72 +41,39 @@ Remark roundedIntegers(vtkDataArray& array)
   }
   const std::string about =
     "hyper tree grid: cell array '" + std::string(array.GetName()) + "' has whole numbers";
+  if (field.offset() != 0.)
+  {
+    std::ostringstream text;
+    text << about << " that differ by up to " << static_cast<double>(field.range().max) - field.range().min
+         << "; single precision rounds them to a " << exact << "th of that";
+    return { about, text.str() };
+  }
   return { about,
     about + " up to " + std::to_string(static_cast<long long>(std::min(largest, 9e18))) +
       "; single precision rounds those beyond " + std::to_string(static_cast<int>(exact)) };
 }
 
-Remark mergedDoubles(vtkHyperTreeGrid* grid, const ArraySelection& selection, const Field& field)
+Remark narrowRange(vtkDataArray& array, const Field& field)
 {
-  constexpr std::int64_t enough = 1024;
-  const std::int64_t first = placeOf(field.range().min);
-  const std::int64_t steps = placeOf(field.range().max) - first;
-  if (steps >= enough || numericCellArray(*grid, selection.name).GetDataType() != VTK_DOUBLE)
+  constexpr double enough = 0x1p19; // of steps, each of which may be half a step wrong
+  const double range = static_cast<double>(field.range().max) - field.range().min;
+  const double largest = largestOf(field.range(), field.offset());
+  const double step =
+    std::max<double>(std::nextafter(largest, std::numeric_limits<double>::infinity()) - largest,
+      std::numeric_limits<float>::denorm_min());
+  if (array.GetDataType() == VTK_FLOAT || range == 0. || range >= enough * step)
   {
     return {};
   }
-  const HyperTreeGridTopology topology(grid);
-  const CellValues values(*grid, selection, topology.globalIndexEnd());
-  // Of each float one of the doubles that it stands for.
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  std::vector<std::atomic<double>> seen(static_cast<std::size_t>(steps) + 1);
-  std::ranges::for_each(seen, [](std::atomic<double>& value) { value = none; });
-  std::atomic<bool> merged{ false };
-  struct Extremes
-  {
-    double min = std::numeric_limits<double>::infinity();
-    double max = -std::numeric_limits<double>::infinity();
-  };
-  tbb::enumerable_thread_specific<Extremes> extremes;
-  topology.forEachLeaf([&](vtkIdType index) {
-    const double value = values(index);
-    if (!values.isFinite(index))
-    {
-      return;
-    }
-    Extremes& own = extremes.local();
-    own = { std::min(own.min, value), std::max(own.max, value) };
-    const std::int64_t place = placeOf(static_cast<float>(value)) - first;
-    if (place < 0 || place > steps)
-    {
-      return; // below the grid's depth limit
-    }
-    std::atomic<double>& other = seen[static_cast<std::size_t>(place)];
-    double known = other.load(std::memory_order_relaxed);
-    if (std::isnan(known))
-    {
-      other.compare_exchange_strong(known, value, std::memory_order_relaxed);
-      known = other.load(std::memory_order_relaxed);
-    }
-    if (known != value)
-    {
-      merged.store(true, std::memory_order_relaxed);
-    }
-  });
-  if (!merged)
-  {
-    return {};
-  }
-  Extremes all;
-  extremes.combine_each([&](const Extremes& part) {
-    all = { std::min(all.min, part.min), std::max(all.max, part.max) };
-  });
-  const auto left = std::ranges::count_if(seen, [](const auto& value) { return !std::isnan(value); });
-  const std::string about = "hyper tree grid: the values of cell array '" + selection.name + "'";
+  const std::string about =
+    "hyper tree grid: the values of cell array '" + std::string(array.GetName()) + "'";
   std::ostringstream text;
+  text << about << " differ by " << range << " at most, all around ";
   text.precision(std::numeric_limits<double>::max_digits10);
-  text << about << " are from " << all.min << " to " << all.max << "; single precision has " << left
-       << (left == 1 ? " number" : " different numbers") << " for them all: subtract a constant from them";
+  text << field.offset() + field.range().min << "; ";
+  text.precision(6);
+  text << "the numbers that isovalues, colours and results count in are " << step
+       << " apart there: subtract a constant from the values, or multiply them if they are tiny";
   return { about, text.str() };
 }
 

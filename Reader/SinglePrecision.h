@@ -1,4 +1,4 @@
-// What users should know of values that single precision does not tell apart. Not installed.
+// What users should know of values of which neither floats nor doubles hold all digits. Not installed.
 #pragma once
 
 #include "HyperTreeGridConverter.h"
@@ -13,13 +13,11 @@ struct Remark
   std::string text;
 };
 
-/// Of whole numbers beyond those that are all exact in single precision.
-Remark roundedIntegers(vtkDataArray& array);
+/// Of a field of whole numbers that are stored beyond those that are all exact in single precision. array: its own.
+Remark roundedIntegers(vtkDataArray& array, const Field& field);
 
-/// Of doubles which lie so close together that float, with less than 1024 steps from the least to the greatest, makes
-/// some that differ the same. field: of the selection, by acquireField(). The values are read again only where the
-/// steps are so few; elsewhere it costs nothing.
-VTKTREEAMRREADER_EXPORT Remark mergedDoubles(
-  vtkHyperTreeGrid* grid, const ArraySelection& selection, const Field& field);
+/// Of a field with a range so small that 2^-20 of it is less than doubles can tell: isovalues, colours and results
+/// count in these, whatever the field's offset is. array: its own.
+VTKTREEAMRREADER_EXPORT Remark narrowRange(vtkDataArray& array, const Field& field);
 
 } // namespace treeamr

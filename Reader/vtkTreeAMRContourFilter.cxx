@@ -136,10 +136,13 @@ vtkSmartPointer<Array> VectorArray(
   return array;
 }
 
+/// Of doubles where the cells' values may have more digits than floats.
 vtkSmartPointer<vtkDataArray> NewPointArray(vtkDataArray* cells, int components, vtkIdType count)
 {
-  auto array = vtkSmartPointer<vtkDataArray>::Take(
-    vtkDataArray::CreateDataArray(cells->GetDataType() == VTK_DOUBLE ? VTK_DOUBLE : VTK_FLOAT));
+  const bool fitsFloat =
+    cells->GetDataType() == VTK_FLOAT || cells->GetDataTypeSize() < static_cast<int>(sizeof(float));
+  auto array =
+    vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(fitsFloat ? VTK_FLOAT : VTK_DOUBLE));
   array->SetName(cells->GetName());
   array->SetNumberOfComponents(components);
   array->SetNumberOfTuples(count);
@@ -162,7 +165,7 @@ vtkSmartPointer<vtkDataArray> Isovalues(
   return values;
 }
 
-/// For a field that cuts other cells from the octree than the contoured one.
+/// Relative values, for a field that cuts other cells from the octree than the contoured one.
 std::vector<float> SampleEach(
   const std::shared_ptr<const treeamr::Field>& field, const std::vector<std::array<double, 3>>& points)
 {
@@ -172,7 +175,7 @@ std::vector<float> SampleEach(
     for (std::size_t i = first; i < end; ++i)
     {
       treeamr::FieldSample sample{ std::numeric_limits<double>::quiet_NaN(), {} };
-      sampler->sample(points[i], sample);
+      sampler->sampleRelative(points[i], sample);
       values[i] = static_cast<float>(sample.value);
     }
   });
@@ -190,7 +193,8 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   for (int c = 0; !cells || (c < components && count > 0); ++c)
   {
     const auto field = treeamr::acquireField(input, { name, c }); // throws without the array
-    warn(treeamr::mergedDoubles(input, { name, c }, *field));
+    warn(treeamr::narrowRange(*cells, *field));
+    warn(treeamr::roundedIntegers(*cells, *field));
     for (const Surface& surface : surfaces)
     {
       const std::vector<float> values = &field->octree() == &octree
@@ -199,7 +203,7 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
       ForRanges(values.size(), [&](std::size_t first, std::size_t end) {
         for (std::size_t i = first; i < end; ++i)
         {
-          array->SetComponent(surface.FirstPoint + static_cast<vtkIdType>(i), c, values[i]);
+          array->SetComponent(surface.FirstPoint + static_cast<vtkIdType>(i), c, field->offset() + values[i]);
         }
       });
     }
@@ -328,8 +332,8 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   const std::string contouredName =
     NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
   const auto field = treeamr::acquireField(input, { contouredName, this->Component });
-  this->Warn(treeamr::mergedDoubles(input, { contouredName, this->Component }, *field));
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
+  this->Warn(treeamr::narrowRange(*contoured, *field));
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;
   vtkIdType triangles = 0;
@@ -393,7 +397,6 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
     {
       pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points,
         [this](const treeamr::Remark& remark) { this->Warn(remark); }));
-      this->Warn(treeamr::roundedIntegers(*array));
     }
     catch (const treeamr::Error& e)
     {

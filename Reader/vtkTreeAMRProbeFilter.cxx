@@ -34,6 +34,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 vtkStandardNewMacro(vtkTreeAMRProbeFilter);
@@ -57,11 +58,34 @@ vtkSmartPointer<vtkDataArray> NewArray(int type, const std::string& name, int co
   return array;
 }
 
-/// Writes one component at all points, NaN where the sampler has no cell, and marks the others.
-void SampleComponent(const treeamr::Sampler& sampler, vtkDataSet* input, int component,
-  const ArrayResult& result, std::vector<char>& valid)
+/// offset + value in an array's type: of integers the nearest one, as vtkProbeFilter has it.
+template <class Number>
+Number NumberOf(double offset, double value)
+{
+  if constexpr (std::is_floating_point_v<Number>)
+  {
+    return static_cast<Number>(offset + value);
+  }
+  else
+  {
+    // With digits for 64 bits, where doubles have 53.
+    const long double whole = std::round(static_cast<long double>(offset) + value);
+    constexpr Number least = std::numeric_limits<Number>::lowest();
+    constexpr Number most = std::numeric_limits<Number>::max();
+    return whole >= static_cast<long double>(most) ? most
+      : whole > static_cast<long double>(least)    ? static_cast<Number>(whole)
+                                                   : least;
+  }
+}
+
+/// Writes one component at all points, NaN (of integers anything) where the sampler has no cell, and marks the others.
+/// values: of the result.
+template <class Number>
+void SampleComponent(const treeamr::Sampler& sampler, double offset, vtkDataSet* input, int component,
+  const ArrayResult& result, Number* values, std::vector<char>& valid)
 {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const int components = result.Values->GetNumberOfComponents();
   tbb::parallel_for(
     tbb::blocked_range<vtkIdType>(0, input->GetNumberOfPoints(), 1024), [&](const auto& range) {
       for (vtkIdType i = range.begin(); i != range.end(); ++i)
@@ -69,11 +93,11 @@ void SampleComponent(const treeamr::Sampler& sampler, vtkDataSet* input, int com
         std::array<double, 3> point;
         input->GetPoint(i, point.data());
         treeamr::FieldSample sample{ nan, { nan, nan, nan } };
-        if (sampler.sample(point, sample))
+        if (sampler.sampleRelative(point, sample))
         {
           valid[i] = 1;
         }
-        result.Values->SetComponent(i, component, sample.value);
+        values[i * components + component] = NumberOf<Number>(offset, sample.value);
         for (int a = 0; result.Gradients && a < 3; ++a)
         {
           result.Gradients->SetComponent(i, 3 * component + a, sample.gradient[a]);
@@ -95,21 +119,28 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
   {
     auto field = treeamr::acquireField(source, { name, c });
     octrees.push_back(field->sharedOctree());
-    remarks.push_back(treeamr::mergedDoubles(source, { name, c }, *field));
+    vtkDataArray& cells = *source->GetCellData()->GetArray(name.c_str());
+    remarks.push_back(treeamr::narrowRange(cells, *field));
+    remarks.push_back(treeamr::roundedIntegers(cells, *field));
     if (!result.Values)
     {
-      vtkDataArray* cells = source->GetCellData()->GetArray(name.c_str());
-      const int components = cells->GetNumberOfComponents();
-      const int type = cells->GetDataType() == VTK_DOUBLE ? VTK_DOUBLE : VTK_FLOAT;
+      const int components = cells.GetNumberOfComponents();
+      // Of bits not all can be written at once.
+      const int type = cells.GetDataType() == VTK_BIT ? VTK_UNSIGNED_CHAR : cells.GetDataType();
       result.Values = NewArray(type, name, components, points);
       if (gradients)
       {
         result.Gradients = NewArray(VTK_DOUBLE, name + "_gradient", 3 * components, points);
       }
     }
-    SampleComponent(*treeamr::Sampler::create(method, std::move(field)), input, c, result, inCells);
+    const double offset = field->offset();
+    const auto sampler = treeamr::Sampler::create(method, std::move(field));
+    switch (result.Values->GetDataType())
+    {
+      vtkTemplateMacro(SampleComponent(
+        *sampler, offset, input, c, result, static_cast<VTK_TT*>(result.Values->GetVoidPointer(0)), inCells));
+    }
   }
-  remarks.push_back(treeamr::roundedIntegers(*source->GetCellData()->GetArray(name.c_str())));
   std::transform(valid.begin(), valid.end(), inCells.begin(), valid.begin(), std::logical_or<>());
   return result;
 }

@@ -50,7 +50,8 @@ struct ContourOptions
 /// The same bits for any number of threads. Empty when stopped. Throws Error when the isovalue is not finite.
 ContourMesh contour(const Field& field, double isovalue, const ContourOptions& options = {});
 
-/// A field's values at the points of a mesh that contour() made on the same octree. Throws Error for another one.
+/// A field's values, less its offset, at the points of a mesh that contour() made on the same octree. Throws Error for
+/// another one.
 std::vector<float> interpolate(const Field& field, const ContourMesh& mesh);
 
 } // namespace treeamr

@@ -16,9 +16,10 @@
 namespace treeamr
 {
 
-Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values)
+Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset)
   : octree_(std::move(octree))
   , values_(std::move(values))
+  , offset_(offset == 0. ? -0. : offset)
 {
   if (!octree_)
   {
@@ -29,6 +30,10 @@ Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values)
   {
     throw Error("field: " + std::to_string(values_.size()) + " values for " +
       std::to_string(octree_->leafCount()) + " leaves");
+  }
+  if (!std::isfinite(offset_))
+  {
+    throw Error("field: offset " + std::to_string(offset_) + ", allowed are finite ones");
   }
   checkAndMeasureValues();
   computeMeans();

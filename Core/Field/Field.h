@@ -1,6 +1,10 @@
 // One scalar field on an octree: a value per leaf and a mean per inner node.
+//
+// Both are floats, and where these would lose too many digits (offsetFor()) less an offset in double, which only what
+// a user gives or sees is told: what is called relative here, and all that is computed from it, is less that offset.
 #pragma once
 
+#include "Field/FieldOffset.h"
 #include "Field/NodeRanges.h"
 #include "Octree/Octree.h"
 
@@ -13,14 +17,14 @@ namespace treeamr
 class Field
 {
 public:
-  /// values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
+  /// offset + values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
   /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume. Throws Error, also
   /// without an octree and for another number of values.
-  Field(std::shared_ptr<const Octree> octree, LargeVector<float> values);
+  Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset = 0.);
   /// Copies them.
   template <class Allocator>
-  Field(std::shared_ptr<const Octree> octree, const std::vector<float, Allocator>& values)
-    : Field(std::move(octree), LargeVector<float>(values.begin(), values.end()))
+  Field(std::shared_ptr<const Octree> octree, const std::vector<float, Allocator>& values, double offset = 0.)
+    : Field(std::move(octree), LargeVector<float>(values.begin(), values.end()), offset)
   {
   }
 
@@ -29,18 +33,22 @@ public:
   const std::shared_ptr<const Octree>& sharedOctree() const noexcept { return octree_; }
 
   /// The leaf's value or the inner node's mean.
-  double value(NodeRef node) const noexcept
+  double value(NodeRef node) const noexcept { return offset_ + relative(node); }
+  double offset() const noexcept { return offset_; }
+  /// value() less offset().
+  double relative(NodeRef node) const noexcept
   {
     return node.isLeaf() ? values_[node.index()] : meanBase_ + means_[node.index()];
   }
+  /// Relative.
   const LargeVector<float>& leafValues() const noexcept { return values_; }
-  /// The inner nodes' means less meanBase().
+  /// The inner nodes' relative means less meanBase().
   const LargeVector<float>& innerMeans() const noexcept { return means_; }
   double meanBase() const noexcept { return meanBase_; }
 
-  /// Hull of the leaves' values, which also bounds the reconstructed field; {0, 0} without cells.
+  /// Hull of the leaves' relative values, which also bounds the reconstructed field; {0, 0} without cells.
   Range range() const noexcept { return range_; }
-  /// Made on the first call for this field or a copy, which share them. Safe from several threads.
+  /// Relative. Made on the first call for this field or a copy, which share them. Safe from several threads.
   const NodeRanges& nodeRanges() const;
 
   /// Allocated bytes, without the octree; with the node ranges when there are any.
@@ -60,7 +68,8 @@ private:
   std::shared_ptr<const Octree> octree_;
   LargeVector<float> values_;
   LargeVector<float> means_;
-  // Where the values' offset is larger than their range, means are rounded to the range's digits, not the offset's.
+  double offset_; // none is -0, which added to a zero leaves its sign
+  // Where the relative values' own offset is larger than their range, means are rounded to the range's digits, not the offset's.
   double meanBase_ = 0.;
   Range range_{ 0.f, 0.f };
   std::shared_ptr<SharedRanges> ranges_ = std::make_shared<SharedRanges>();

@@ -247,7 +247,7 @@ void GradientEvaluator::gather(int depth, Level& level) const noexcept
       const int cell = first + cornerOffset(o, cellStride);
       const NodeRef child = children.node(o, depth + 1);
       level.inner[cell] = child.isInner() ? child.index() : noNode;
-      level.cellValue[cell] = child.isNone() ? 0. : field_.value(child);
+      level.cellValue[cell] = child.isNone() ? 0. : field_.relative(child);
     }
   }
 }
@@ -390,7 +390,7 @@ GradientEvaluator::Value GradientEvaluator::onLattice(
         const NodeRef child = children.node(touchingChild(Axes, side), depth + 2);
         if (!child.isNone())
         {
-          value += field_.value(child);
+          value += field_.relative(child);
           sides |= 1u << side;
           ++count;
         }
@@ -436,7 +436,7 @@ GradientEvaluator::Value GradientEvaluator::amidFiner(std::array<NodeRef, 8> aro
     const NodeRef data = isRefined ? octree_.child(node, 7 - side) : node;
     if (!data.isNone())
     {
-      cells.add(side, field_.value(data), isRefined);
+      cells.add(side, field_.relative(data), isRefined);
       sides |= 1u << side;
     }
   }

@@ -42,7 +42,7 @@ bool PointSampler::sample(const Vec3& pWorld, FieldSample& sample) noexcept
   }
   if (leaf.depth == 0)
   {
-    sample = { field_.value(field_.octree().root()), {} };
+    sample = { field_.relative(field_.octree().root()), {} };
     return true;
   }
   const Piece piece = pieceOf(leaf);
@@ -64,7 +64,7 @@ bool PointSampler::value(const Vec3& pWorld, double& value) noexcept
   }
   if (leaf.depth == 0)
   {
-    value = field_.value(field_.octree().root());
+    value = field_.relative(field_.octree().root());
     return true;
   }
   const Piece piece = pieceOf(leaf);

@@ -23,7 +23,7 @@ class PointSampler
 public:
   explicit PointSampler(const Field& field);
 
-  /// As Sampler::sample().
+  /// As Sampler::sampleRelative().
   bool sample(const Vec3& pWorld, FieldSample& sample) noexcept;
   /// The same without the gradient.
   bool value(const Vec3& pWorld, double& value) noexcept;

@@ -46,7 +46,7 @@ void toWorld(const TreePath& path, std::array<double, 3>& gradient) noexcept
 
 void sampleNearest(const TreePath& path, const Field& field, const Local&, FieldSample& out) noexcept
 {
-  out = { field.value(path.node()), {} };
+  out = { field.relative(path.node()), {} };
 }
 
 void sampleOctant(const TreePath& path, const Field& field, const Local& local, FieldSample& out) noexcept
@@ -103,7 +103,7 @@ bool sampleDual(const TreePath& path, const Field& field, const Local& local, in
     }
     if (!node.isNone())
     {
-      sum.add(c, field.value(node));
+      sum.add(c, field.relative(node));
     }
   }
   out = { sum.value(), sum.gradient() };
@@ -133,41 +133,37 @@ class SamplerOf : public Sampler
 {
 public:
   explicit SamplerOf(std::shared_ptr<const Field> field)
-    : field_(std::move(field))
+    : Sampler(std::move(field))
   {
   }
-  bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const override
+  bool sampleRelative(const std::array<double, 3>& pWorld, FieldSample& sample) const override
   {
-    TreePath path(field_->octree());
+    TreePath path(this->field().octree());
     Local local;
     if (!locate(path, pWorld, local))
     {
       return false;
     }
-    Rule(path, *field_, local, sample);
+    Rule(path, this->field(), local, sample);
     toWorld(path, sample.gradient);
     return true;
   }
-
-private:
-  std::shared_ptr<const Field> field_;
 };
 
 class GTISampler : public Sampler
 {
 public:
   explicit GTISampler(std::shared_ptr<const Field> field)
-    : field_(std::move(field))
-    , ofThreads_([this] { return PointSampler(*field_); })
+    : Sampler(std::move(field))
+    , ofThreads_([this] { return PointSampler(this->field()); })
   {
   }
-  bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const override
+  bool sampleRelative(const std::array<double, 3>& pWorld, FieldSample& sample) const override
   {
     return ofThreads_.local().sample(pWorld, sample);
   }
 
 private:
-  std::shared_ptr<const Field> field_;
   mutable tbb::enumerable_thread_specific<PointSampler> ofThreads_;
 };
 

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <memory>
+#include <utility>
 
 namespace treeamr
 {
@@ -37,10 +38,30 @@ public:
   virtual ~Sampler() = default;
   /// False, and `sample` untouched, where there is no cell (cells are closed boxes) or pWorld is not finite.
   /// Safe from several threads.
-  virtual bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const = 0;
+  bool sample(const std::array<double, 3>& pWorld, FieldSample& sample) const
+  {
+    if (!this->sampleRelative(pWorld, sample))
+    {
+      return false;
+    }
+    sample.value += field_->offset();
+    return true;
+  }
+  /// The same with the value less the field's offset.
+  virtual bool sampleRelative(const std::array<double, 3>& pWorld, FieldSample& sample) const = 0;
 
   /// Throws Error without a field.
   static std::unique_ptr<Sampler> create(InterpolationMethod method, std::shared_ptr<const Field> field);
+
+protected:
+  explicit Sampler(std::shared_ptr<const Field> field)
+    : field_(std::move(field))
+  {
+  }
+  const Field& field() const noexcept { return *field_; }
+
+private:
+  std::shared_ptr<const Field> field_;
 };
 
 /// The cell that holds a point, as a sampler finds it. False, and `cell` untouched, where there is none.

@@ -147,7 +147,7 @@ private:
   {
     if (node.isLeaf())
     {
-      value = field_.value(node);
+      value = field_.relative(node);
       return true;
     }
     double sum = 0.;
@@ -157,7 +157,7 @@ private:
       const NodeRef child = path_.octree().child(node, std::countr_zero(touching));
       if (!child.isNone())
       {
-        sum += field_.value(child);
+        sum += field_.relative(child);
         ++count;
       }
     }
@@ -255,7 +255,7 @@ public:
     {
       const int e = std::countr_zero(entries);
       const NodeRef node = around_[e];
-      cells_[e] = node.isLeaf() ? field.value(node) : 0.;
+      cells_[e] = node.isLeaf() ? field.relative(node) : 0.;
       sameLevel_ |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() == depth_) << e;
       coarser_ |= static_cast<std::uint32_t>(node.isLeaf() && node.depth() < depth_) << e;
     }

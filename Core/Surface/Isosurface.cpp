@@ -39,6 +39,15 @@ std::vector<double> checked(std::vector<double> isovalues)
   return isovalues;
 }
 
+std::vector<double> relative(std::vector<double> isovalues, double offset)
+{
+  for (double& isovalue : isovalues)
+  {
+    isovalue -= offset;
+  }
+  return isovalues;
+}
+
 /// Calls body(i) for the bits that are set.
 template <class Body>
 void forBits(std::uint32_t bits, const Body& body)
@@ -126,6 +135,7 @@ private:
 
 struct Isosurface::Impl
 {
+  std::vector<double> isovalues; // as asked for
   SurfaceBlocks blocks;
   TraceSpace space;
   BlockIntersection intersection;
@@ -133,9 +143,10 @@ struct Isosurface::Impl
   SurfaceHierarchy hierarchy;
   tbb::enumerable_thread_specific<std::unique_ptr<RayTile>> tiles; // for frames
 
-  Impl(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t keptBytes,
+  Impl(std::shared_ptr<const Field> field, std::vector<double> ascending, std::size_t keptBytes,
     int mostCellDepth, std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now())
-    : blocks(field, std::move(isovalues), keptBytes, mostCellDepth)
+    : isovalues(std::move(ascending))
+    , blocks(field, relative(isovalues, field->offset()), keptBytes, mostCellDepth)
     , space(field->octree().grid())
     , intersection(blocks, space)
     , extractionSeconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count())
@@ -215,7 +226,7 @@ Isosurface::~Isosurface() = default;
 
 const std::vector<double>& Isosurface::isovalues() const noexcept
 {
-  return impl_->blocks.isovalues();
+  return impl_->isovalues;
 }
 
 IsosurfaceStatistics Isosurface::statistics() const

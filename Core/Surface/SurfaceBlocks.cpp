@@ -267,7 +267,7 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   unsigned drawn = 1;
   if (block.depth() < 0)
   {
-    record.values.fill(field_->value(octree.root()));
+    record.values.fill(field_->relative(octree.root()));
     drawn = octree.isGhost(octree.root().index()) ? 0 : 1;
   }
   else

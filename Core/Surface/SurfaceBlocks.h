@@ -100,8 +100,8 @@ struct alignas(64) SurfaceRecord
 class SurfaceBlocks
 {
 public:
-  /// All blocks that may have active octants, in Morton order. isovalues: ascending, at least one. mostCellDepth: as Isosurface's. Throws Error for a tree deeper than
-  /// SurfaceBlock::maxDepth.
+  /// All blocks that may have active octants, in Morton order. isovalues: less the field's offset, ascending, at least
+  /// one. mostCellDepth: as Isosurface's. Throws Error for a tree deeper than SurfaceBlock::maxDepth.
   SurfaceBlocks(std::shared_ptr<const Field> field, std::vector<double> isovalues, std::size_t budgetBytes,
     int mostCellDepth);
 

@@ -36,8 +36,8 @@ struct PixelGroup
 class Volume
 {
 public:
-  /// Keeps vertex values within keptBytes; too few keep none. Throws Error without a field, and as
-  /// setTransferFunction().
+  /// transferFunction: over the field's values less its offset. Keeps vertex values within keptBytes; too few keep
+  /// none. Throws Error without a field, and as setTransferFunction().
   Volume(std::shared_ptr<const Field> field, TransferFunction transferFunction,
     std::size_t keptBytes = defaultKeptBytes);
   ~Volume();

@@ -36,11 +36,11 @@ namespace treeamr
 namespace
 {
 
-/// values[stride * i]: of the field at point i, NaN where it has none.
-void sampleAtPoints(std::shared_ptr<const Field> field, InterpolationMethod method, vtkPolyData* triangles,
-  std::size_t stride, float* values)
+/// values[stride * i]: of the field at point i, less its offset, NaN where it has none.
+void sampleAtPoints(const std::shared_ptr<const Field>& field, InterpolationMethod method,
+  vtkPolyData* triangles, std::size_t stride, float* values)
 {
-  const std::unique_ptr<Sampler> sampler = Sampler::create(method, std::move(field));
+  const std::unique_ptr<Sampler> sampler = Sampler::create(method, field);
   tbb::parallel_for(
     tbb::blocked_range<vtkIdType>(0, triangles->GetNumberOfPoints(), 4096), [&](const auto& range) {
       for (vtkIdType i = range.begin(); i < range.end(); ++i)
@@ -48,7 +48,7 @@ void sampleAtPoints(std::shared_ptr<const Field> field, InterpolationMethod meth
         std::array<double, 3> point;
         triangles->GetPoint(i, point.data());
         FieldSample sample{ std::numeric_limits<double>::quiet_NaN(), {} };
-        sampler->sample(point, sample);
+        sampler->sampleRelative(point, sample);
         values[stride * static_cast<std::size_t>(i)] = static_cast<float>(sample.value);
       }
     });
@@ -168,12 +168,14 @@ vtkSmartPointer<vtkUnsignedCharArray> IsosurfaceTriangles::Colors(
   }
   else
   {
+    std::vector<double> offsets;
     for (std::size_t c = 0; c < count; ++c)
     {
-      sampleAtPoints(
-        acquireField(grid, source.components[c]), InterpolationMethod::GTI, triangles, count, &values[c]);
+      const auto field = acquireField(grid, source.components[c]);
+      sampleAtPoints(field, InterpolationMethod::GTI, triangles, count, &values[c]);
+      offsets.push_back(field->offset());
     }
-    colors = mapValues(this->Mapper, source, values);
+    colors = mapValues(this->Mapper, source, values, offsets);
   }
   auto rgba = vtkSmartPointer<vtkUnsignedCharArray>::New();
   rgba->SetName("Colors");

@@ -164,7 +164,7 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
       else
       {
         made_ = acquireField(grid, selection);
-        remark_ = mergedDoubles(grid, selection, *made_);
+        remark_ = narrowRange(numericCellArray(*grid, selection.name), *made_);
       }
     }
     catch (const Error&)

@@ -31,7 +31,7 @@ struct SurfaceActorView
   SurfaceView surface;
   // Known of the hits besides.
   std::vector<std::shared_ptr<const Field>> colorFields;
-  std::vector<float> colorValues; // of each hit one of each field
+  std::vector<float> colorValues; // of each hit one of each field, less its offset
 
   // What it took to trace and shade them, for the drafts to come.
   SampleDistanceControl sampleDistances;

@@ -74,7 +74,12 @@ HitColors SurfaceColoring::map(vtkMapper* mapper, MapperMessages& messages, Surf
     }
     view.colorFields = fields;
   }
-  return mapValues(mapper, source, view.colorValues);
+  std::vector<double> offsets;
+  for (const auto& field : fields)
+  {
+    offsets.push_back(field ? field->offset() : 0.);
+  }
+  return mapValues(mapper, source, view.colorValues, offsets);
 }
 
 HitColors SurfaceColoring::mapCells(vtkMapper* mapper, MapperMessages& messages, SurfaceActorView& view,
@@ -88,7 +93,7 @@ HitColors SurfaceColoring::mapCells(vtkMapper* mapper, MapperMessages& messages,
   {
     view.colorFields.clear();
     view.colorValues.assign(hits.size(), unknown);
-    return mapValues(mapper, source, view.colorValues);
+    return mapValues(mapper, source, view.colorValues, { 0. });
   }
   const std::vector<std::shared_ptr<const Field>> numbers{ { categories, &categories->numbers } };
   if (view.colorFields != numbers)

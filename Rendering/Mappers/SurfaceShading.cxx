@@ -158,8 +158,8 @@ void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camer
       point[a] = std::clamp(point[a], domain.min[a], domain.max[a]);
     }
     FieldSample sample;
-    values[stride * i] = sampler->sample(point, sample) ? static_cast<float>(sample.value)
-                                                        : std::numeric_limits<float>::quiet_NaN();
+    values[stride * i] = sampler->sampleRelative(point, sample) ? static_cast<float>(sample.value)
+                                                                : std::numeric_limits<float>::quiet_NaN();
   });
 }
 

@@ -52,7 +52,7 @@ struct SurfaceVisibility
   std::vector<std::uint8_t> lit; // lit[l + lights * hit]
 };
 
-/// Values of a field at the hits into every stride-th of `values`; NaN where it has no cell.
+/// Values of a field at the hits, less its offset, into every stride-th of `values`; NaN where it has no cell.
 void valuesAtHits(const std::shared_ptr<const Field>& field, const Camera& camera, const HitImage& hits,
   std::size_t stride, float* values);
 

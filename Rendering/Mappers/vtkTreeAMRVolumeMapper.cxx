@@ -316,8 +316,9 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
     internals.TransferFunctionSeconds = 0.;
     const treeamr::Stopwatch stopwatch(internals.TransferFunctionSeconds);
     treeamr::TransferFunction function = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
-      : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
-                             : treeamr::convertTransferFunction(property, internals.Field->range());
+      : internals.Categories
+      ? treeamr::convertCategories(property, internals.Categories->values)
+      : treeamr::convertTransferFunction(property, internals.Field->range(), internals.Field->offset());
     if (internals.Volume)
     {
       internals.Volume->setTransferFunction(std::move(function));

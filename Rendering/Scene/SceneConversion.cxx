@@ -320,11 +320,13 @@ Material convertMaterial(vtkProperty* property, bool lit)
   return material;
 }
 
-TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange)
+TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset)
 {
   checkUnitDistance(property);
   const PropertyFunctions functions(property);
   Interval part = functions.nodeRange();
+  part.min -= offset;
+  part.max -= offset;
   if (!(part.min < part.max))
   {
     // No nodes, or all at one value, where clamped functions and range colours may jump.
@@ -334,7 +336,7 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
   {
     // Constant over the data, up to a value that is common to both: the far end tells.
     const TransferFunction::Entry entry =
-      functions.at(dataRange.max <= part.min ? dataRange.min : dataRange.max);
+      functions.at(offset + (dataRange.max <= part.min ? dataRange.min : dataRange.max));
     return TransferFunction(dataRange.min, dataRange.max, { entry, entry });
   }
   part.min = std::max<double>(part.min, dataRange.min);
@@ -350,10 +352,10 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
   {
     // The ends exactly: rounding must not take them over the jump. vtkPiecewiseFunction without clamping is
     // zero on its first node, too.
-    double value = i == last ? part.max : part.min + (i - beyond) * step;
+    double value = offset + (i == last ? part.max : part.min + (i - beyond) * step);
     if (i == beyond)
     {
-      value = std::nextafter(part.min, part.max);
+      value = std::nextafter(value, offset + part.max);
     }
     entries[i] = functions.at(value);
   }

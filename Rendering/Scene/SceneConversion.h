@@ -50,9 +50,9 @@ bool isLit(vtkProperty* property, const std::vector<Light>& lights);
 Material convertMaterial(vtkProperty* property, bool lit);
 
 /// A table of the property's colours and scalar opacities (component 0) for values of dataRange, its entries
-/// spent on the part of it that the functions distinguish. Throws Error for a unit distance that is not
-/// positive.
-TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange);
+/// spent on the part of it that the functions distinguish. dataRange and the table's values: less the offset, which the
+/// property's values are not. Throws Error for a unit distance that is not positive.
+TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset = -0.);
 
 /// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
 /// nothing in between.

@@ -79,6 +79,21 @@ vtkSmartPointer<vtkUnsignedCharArray> mapColors(
   return mapScalars(mapper, colors, VTK_COLOR_MODE_DIRECT_SCALARS);
 }
 
+/// Values of hits: of each its components. Array: of these.
+template <class Array, class Value>
+HitColors mapTuples(vtkMapper* mapper, const ColorSource& source, std::vector<Value>& values)
+{
+  if (source.direct)
+  {
+    return { mapColors(mapper, source, values), HitColors::Per::Hit };
+  }
+  vtkNew<Array> scalars;
+  scalars->SetNumberOfComponents(static_cast<int>(source.components.size()));
+  constexpr int staysOurs = 1;
+  scalars->SetArray(values.data(), static_cast<vtkIdType>(values.size()), staysOurs);
+  return { mapScalars(mapper, scalars), HitColors::Per::Hit };
+}
+
 bool mayBeColor(vtkDataArray* array)
 {
   return array->GetNumberOfComponents() <= 4; // luminance and colour, each with an opacity or without
@@ -175,17 +190,19 @@ HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::
     HitColors::Per::Surface };
 }
 
-HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values)
+HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values,
+  const std::vector<double>& offsets)
 {
-  if (source.direct)
+  if (std::any_of(offsets.begin(), offsets.end(), [](double offset) { return offset != 0.; }))
   {
-    return { mapColors(mapper, source, values), HitColors::Per::Hit };
+    std::vector<double> whole(values.begin(), values.end());
+    for (std::size_t i = 0; i < whole.size(); ++i)
+    {
+      whole[i] += offsets[i % offsets.size()];
+    }
+    return mapTuples<vtkDoubleArray>(mapper, source, whole);
   }
-  vtkNew<vtkFloatArray> scalars;
-  scalars->SetNumberOfComponents(static_cast<int>(source.components.size()));
-  constexpr int staysOurs = 1;
-  scalars->SetArray(values.data(), static_cast<vtkIdType>(values.size()), staysOurs);
-  return { mapScalars(mapper, scalars), HitColors::Per::Hit };
+  return mapTuples<vtkFloatArray>(mapper, source, values);
 }
 
 bool hasCategories(vtkMapper* mapper, const ColorSource& source)

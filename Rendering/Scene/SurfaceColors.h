@@ -70,8 +70,9 @@ bool isTranslucent(vtkMapper* mapper, vtkDataArray* array);
 
 /// Of surfaces coloured by the array that they are isosurfaces of: of the isovalues themselves.
 HitColors mapIsovalues(vtkMapper* mapper, const ColorSource& source, const std::vector<double>& isovalues);
-/// values: of each hit its components.
-HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values);
+/// values: of each hit its components, less their offsets.
+HitColors mapValues(vtkMapper* mapper, const ColorSource& source, std::vector<float>& values,
+  const std::vector<double>& offsets);
 
 /// Whether the mapper's table looks values up as categories, with nothing in between; of colours it looks
 /// none up.

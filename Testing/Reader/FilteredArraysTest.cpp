@@ -190,6 +190,7 @@ TEST(FilteredArrays, SayWhatCannotBeTaken)
   ids->SetName("ids");
   ids->SetNumberOfValues(countVertices(watched.grid));
   ids->FillValue(16777217);
+  ids->SetValue(countVertices(watched.grid) - 1, 0);
   watched.grid->GetCellData()->AddArray(ids);
   const auto expectWarning = [&](vtkAlgorithm* filter, vtkDataArraySelection* selection) {
     for (const char* name : { "text", "a1", "missing", "ids" })
@@ -203,7 +204,7 @@ TEST(FilteredArrays, SayWhatCannotBeTaken)
     EXPECT_NE(
       warnings.messages()[1].find("'missing' does not exist; there are: 'scalar'"), std::string::npos);
     // As in the steps of a series, where the numbers vary.
-    ids->FillValue(16777219);
+    ids->SetValue(1, 16777219);
     ids->Modified();
     filter->Modified();
     filter->Update();
@@ -214,7 +215,7 @@ TEST(FilteredArrays, SayWhatCannotBeTaken)
     selection->EnableArray("missing");
     filter->Update();
     EXPECT_EQ(warnings.messages().size(), 3u) << "gone away meanwhile";
-    ids->FillValue(16777217);
+    ids->SetValue(1, 16777217);
     ids->Modified();
   };
   vtkNew<vtkTreeAMRProbeFilter> probe;

@@ -124,6 +124,45 @@ TEST_F(TransferFunctionTest, largeDataRange)
   }
 }
 
+// Functions that end with a jump have it where it is in values less an offset, too.
+TEST_F(TransferFunctionTest, dataLessAnOffset)
+{
+  vtkNew<vtkVolumeProperty> shifted;
+  vtkNew<vtkPiecewiseFunction> opacityThere;
+  vtkNew<vtkColorTransferFunction> colorThere;
+  constexpr double offset = 0x1p40;
+  for (vtkNew<vtkVolumeProperty>* p : { &property, &shifted })
+  {
+    const bool there = p == &shifted;
+    vtkPiecewiseFunction* o = there ? opacityThere.Get() : opacity.Get();
+    vtkColorTransferFunction* c = there ? colorThere.Get() : color.Get();
+    o->RemoveAllPoints();
+    c->RemoveAllPoints();
+    o->ClampingOff();
+    c->ClampingOff();
+    const double base = there ? offset : 0.;
+    o->AddPoint(base + 1., 0.3);
+    o->AddPoint(base + 3., 0.9);
+    c->AddRGBPoint(base + 1., 0.2, 0.4, 0.6);
+    c->AddRGBPoint(base + 3., 0.9, 0.1, 0.3);
+    (*p)->SetColor(c);
+    (*p)->SetScalarOpacity(o);
+    (*p)->SetScalarOpacityUnitDistance(1.);
+  }
+  for (const Range data : { Range{ 0.f, 4.f }, Range{ 1.f, 3.f }, Range{ 1.5f, 2.f }, Range{ 7.f, 9.f } })
+  {
+    const TransferFunction expected = convertTransferFunction(property, data);
+    const TransferFunction table = convertTransferFunction(shifted, data, offset);
+    for (double value = 0.; value <= 4.; value += 1. / 256.)
+    {
+      const TransferFunction::Entry entry = table.at(static_cast<float>(value));
+      const TransferFunction::Entry wanted = expected.at(static_cast<float>(value));
+      EXPECT_NEAR(entry.extinction, wanted.extinction, 3e-3) << value; // a 4096th of the steepest slope
+      EXPECT_NEAR(entry.r, wanted.r, 1e-3) << value;
+    }
+  }
+}
+
 TEST_F(TransferFunctionTest, valuesOfOneKind)
 {
   expectEverywhere({ 2.5f, 2.5f }, 1e-6);

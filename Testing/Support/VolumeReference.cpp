@@ -247,7 +247,7 @@ private:
     VertexValues values;
     if (transferFunction_.hasCategories())
     {
-      values.fill(field_.value(path_.node()));
+      values.fill(field_.relative(path_.node()));
     }
     else
     {

@@ -4,7 +4,7 @@
 //
 // points: coordinates of the field; triangles: three places in points each, whose normals by the right-hand rule point to
 // lower values; gradients: one a point, per unit of length. Of another field on the same octree interpolate() gives the
-// values at the points.
+// values at the points, less its offset.
 #pragma once
 
 #include "Contour/Contour.h"

@@ -10,6 +10,14 @@
 //   auto field = std::make_shared<const treeamr::Field>(built.octree, std::move(built.values));
 //
 // Coordinates are double precision, in whatever unit of length the RootGrid is given; values single precision, finite.
+// Doubles or 64-bit integers that lie close together beside their size, of which floats would tell few apart, are given
+// less an offset (which is 0 where they are not):
+//
+//   const double offset = treeamr::offsetFor(least, greatest); // of all values
+//   ... static_cast<float>(value - offset) ...                 // as the cells' values
+//   auto field = std::make_shared<const treeamr::Field>(built.octree, std::move(built.values), offset);
+//
+// Isovalues and the values that samplers give are the field's own again; other headers say what is less its offset.
 // Regions of the lattice may be without cells. Between the cells' centres the field is reconstructed by Generalized
 // Trilinear Interpolation, continuous across levels. Memory: under 6 bytes a cell for one field, under 5 for each
 // further one. Objects are immutable once made and may be used by several threads.

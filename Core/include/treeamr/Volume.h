@@ -1,6 +1,7 @@
 // TreeAMR: volumes of a field, emission and absorption along rays, front to back.
 //
 //   treeamr::TransferFunction colors(0., 1., entries); // value range; { r, g, b, extinction } in equal steps over it
+//   // (the value range less field->offset(), if the field has one)
 //   treeamr::Camera camera(clipFromData, width, height); // row-major 4 x 4 matrix, as of OpenGL: NDC from -1 to 1
 //   treeamr::Image image(width, height);
 //   treeamr::Volume volume(field, colors);
