@@ -255,6 +255,36 @@ grid.GetCellData().AddArray(array)
         self.representation.LookupTable.InterpretValuesAsCategories = 0
         self.assertLess(6, len(scene.colours(self.picture("no-categories"))))
 
+    def test_values_that_float_merges(self):
+        """As volume, isosurface and contour, with all defaults for the range, the picture of them less their mean."""
+        source = scene.with_pressure(self.source)
+        simple.Hide(self.source, self.view)
+        pictures = {}
+        for name, mean in ("less", 0), ("pressure", 101325):
+            display = simple.Show(source, self.view)
+            simple.ColorBy(display, ("CELLS", name))
+            display.SetRepresentationType("Tree AMR Volume")
+            scene.look(self.view)
+            low, high = source.GetDataInformation().GetArrayInformation(name, 1).GetComponentRange(0)
+            self.assertAlmostEqual(mean, low + high - mean, delta=0.001)
+            self.assertEqual([low, high], [display.LookupTable.RGBPoints[i] for i in (0, -4)])
+            volume = self.picture(name)
+            display.SetRepresentationType("Tree AMR Isosurface")
+            display.IsosurfaceArray = ["CELLS", name]
+            middle = (low + high) / 2
+            self.assertAlmostEqual(middle, display.FirstIsovalue, delta=1e-9)
+            display.Isovalues = [middle]
+            isosurface = self.picture(name + "-isosurface")
+            contour = simple.TreeAMRContour(Input=source, ContourBy=["CELLS", name], Isosurfaces=[middle])
+            simple.Hide(source, self.view)
+            simple.ColorBy(simple.Show(contour, self.view), ("POINTS", "xyz"))
+            pictures[name] = (volume, isosurface, self.picture(name + "-contour"))
+            simple.Delete(contour)
+        for less, pressure in zip(*pictures.values()):
+            self.assertGreater(scene.drawn(less).mean(), 0.05)
+            self.assertGreater(len(scene.colours(less)), 30)
+            self.assertLess(numpy.abs(less - pressure).mean(), 0.02)
+
     def test_group_of_one(self):
         self.show()
         alone = self.picture("alone")

@@ -140,6 +140,20 @@ grid.GetCellData().AddArray(ids)
 """)
 
 
+def with_pressure(source):
+    """The grids of a source with the arrays "less", from -0.001 to 0.001, and "pressure", 101325 more."""
+    return simple.ProgrammableFilter(Input=source, OutputDataSetType="Same as Input", Script="""
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+less = 0.001 * (vtk_to_numpy(grid.GetCellData().GetArray('xyz')) / 32 - 1)
+for name, values in ('less', less), ('pressure', 101325 + less):
+    array = numpy_to_vtk(values, deep=1)
+    array.SetName(name)
+    grid.GetCellData().AddArray(array)
+""")
+
+
 def set_categories(lookup_table):
     """Of the "id" from 0 to 4; 5 is not listed: yellow."""
     lookup_table.InterpretValuesAsCategories = 1
