@@ -23,7 +23,7 @@ import sys
 import figures
 
 PACKAGES = ["paraview", "libembree3-3", "libtbb12", "libhwy1", "g++"]
-LISTS = ["volume", "field", "field_orders", "isosurface", "isosurface_orders", "estimate"]
+LISTS = ["volume", "field", "field_orders", "isosurface", "isosurface_orders", "estimate", "digits"]
 # Suites whose cases tell numbers; of the others a fault is survived or not.
 RECORDING = ("StiffCases", "ExtremeCases", "ExtremeWindows")
 
@@ -115,6 +115,10 @@ def bounds(report):
     yield from each(report, "isosurface", "distance_max", 0, 4.5e-3, dataset="four-levels-2")
     for method in ("contour-vertices", "contour-flat", "contour-smooth"):
         yield from each(report, "isosurface", "open_edges", 0, 0, method=method)
+    for column in ("probe_error", "contour_error", "isosurface_error", "volume_error"):
+        # Colours are floats, too, composited one after the other.
+        yield from each(report, "digits", column, 0, 2**-18 if column == "volume_error" else 2**-20, stored="offset")
+        yield from each(report, "digits", column, 0.05, 1e6, stored="floats")
     samples = sorted(rows(report, "volume", series="samples per cell"), key=lambda row: float(row["setting"]))
     for coarse, fine in zip(samples, samples[1:]):
         yield ("volume, error with more samples over that with fewer", fine["rmse"] / coarse["rmse"], 0, 0.7)
@@ -342,6 +346,18 @@ def isosurface_section(report):
     return text
 
 
+def digits_section(report):
+    if not report["digits"]:
+        return ""
+    return ("<h2>Digits: values that lie close together beside their size</h2><p class=conditions>Largest errors in parts "
+            "of the range, of linear fields: of values at points, of the field on contours and isosurfaces less the "
+            "isovalue, of a volume's colours; as floats, and less an offset in double, which such fields have. "
+            f"2<sup>-20</sup> is {2**-20:.1e}. Without a surface: 1.</p>") + table([
+                ("values", "values", None), ("stored as", "stored", None), ("probe", "probe_error", ".1e"),
+                ("contour", "contour_error", ".1e"), ("isosurface", "isosurface_error", ".1e"),
+                ("volume", "volume_error", ".1e")], report["digits"])
+
+
 def peers_section(report):
     if not (report["peers"] or report["isosurface_peers"]):
         return ""
@@ -409,7 +425,8 @@ def page(report):
              "those of all threads.</p>",
              "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in summary(report)) + "</ul>",
              f"<p class=conditions>Not measured: {', '.join(missing)}.</p>" if missing else "",
-             volume_section(report), field_section(report), isosurface_section(report), peers_section(report),
+             volume_section(report), field_section(report), isosurface_section(report), digits_section(report),
+             peers_section(report),
              stability_section(report), rest_section(report), "</html>\n"]
     return "".join(parts)
 

@@ -1,11 +1,12 @@
 // Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are
 // those of the whole process on all threads.
 //
-// treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface|estimate]
+// treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface|estimate|digits]
 //
 // Prints tables and writes them to FILE: one list for each part, one row for each setting, and lists of the
 // orders at which errors of field and isosurface fall. --brief is for continuous integration: the first data
-// set alone, in a small picture, with few settings. Field and isosurface need no forests.
+// set alone, in a small picture, with few settings. Field, isosurface and digits need no forests.
+#include "DigitsError.h"
 #include "EstimateError.h"
 #include "FieldError.h"
 #include "IsosurfaceError.h"
@@ -51,7 +52,7 @@ std::optional<Arguments> parse(int argc, char* argv[])
     {
       arguments.part = argv[++i];
       if (arguments.part != "volume" && arguments.part != "field" && arguments.part != "isosurface" &&
-        arguments.part != "estimate")
+        arguments.part != "estimate" && arguments.part != "digits")
       {
         return std::nullopt;
       }
@@ -80,6 +81,7 @@ void run(const Arguments& arguments)
   bench::Report isosurface("isosurface");
   bench::Report isosurfaceOrders("isosurface_orders");
   bench::Report estimate("estimate");
+  bench::Report digits("digits");
   const auto wanted = [&](std::string_view part) { return arguments.part.empty() || arguments.part == part; };
   if (wanted("volume"))
   {
@@ -97,8 +99,12 @@ void run(const Arguments& arguments)
   {
     measureErrorEstimate(arguments.options, estimate);
   }
+  if (wanted("digits"))
+  {
+    measureDigits(digits);
+  }
   bench::writeJson(
-    arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders, &estimate });
+    arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders, &estimate, &digits });
 }
 
 } // namespace
@@ -111,7 +117,8 @@ int main(int argc, char* argv[])
   if (!arguments)
   {
     std::fprintf(stderr,
-      "usage: treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface|estimate]\n");
+      "usage: treeamr-report FOLDER --json FILE [--brief] [--part "
+      "volume|field|isosurface|estimate|digits]\n");
     return 2;
   }
   try

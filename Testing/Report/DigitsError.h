@@ -1,0 +1,15 @@
+// What is left of values that lie close together beside their size, as floats alone and less an offset.
+#pragma once
+
+#include "Report.h"
+
+namespace treeamr::report
+{
+
+/// Of fields that are linear where it is looked, so that the reconstruction is exact, each stored in both ways: a row
+/// each. Errors are of values, in parts of the range of the field that was meant: what a sampler gives; the field at
+/// points of a contour and at hits of an isosurface, less the isovalue; and the largest difference of a volume's pixel
+/// from that of the same field less its constant. 1 where there is no surface. The same on every machine, up to rounding.
+void measureDigits(bench::Report& report);
+
+} // namespace treeamr::report
