@@ -23,7 +23,6 @@
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkSOADataArrayTemplate.h"
 #include "vtkTypeInt64Array.h"
@@ -35,7 +34,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 
 using namespace treeamr;
 using namespace treeamr::test;
@@ -141,23 +139,9 @@ public:
 
 vtkSmartPointer<vtkPolyData> randomPoints(vtkHyperTreeGrid* grid, int count)
 {
-  double bounds[6];
-  computeLocalBounds(grid, bounds);
-  std::mt19937 engine(7);
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  for (int i = 0; i < count; ++i)
-  {
-    std::array<double, 3> p;
-    for (int a = 0; a < 3; ++a)
-    {
-      p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * (engine() / 4294967296.);
-    }
-    points->InsertNextPoint(p.data());
-  }
-  auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  return data;
+  std::array<double, 6> bounds;
+  computeLocalBounds(grid, bounds.data());
+  return test::randomPoints(bounds, count);
 }
 
 Camera view(const Octree& octree, int width = 60, int height = 50)

@@ -30,32 +30,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 using namespace treeamr;
 using namespace treeamr::test;
 
 namespace
 {
-
-vtkSmartPointer<vtkPolyData> randomPoints(const std::array<double, 6>& bounds, int count)
-{
-  std::mt19937 engine(7);
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  for (int i = 0; i < count; ++i)
-  {
-    std::array<double, 3> p;
-    for (int a = 0; a < 3; ++a)
-    {
-      p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * (engine() / 4294967296.);
-    }
-    points->InsertNextPoint(p.data());
-  }
-  const auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  return data;
-}
 
 bool isValid(vtkDataSet* output, vtkIdType point)
 {

@@ -14,6 +14,8 @@
 #include "vtkHyperTreeGridNonOrientedGeometryCursor.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
 #include "vtkUniformHyperTreeGrid.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkVersionMacros.h"
@@ -349,6 +351,25 @@ vtkSmartPointer<vtkHyperTreeGrid> makeUniformlyRefinedGrid(unsigned int level)
   }
   grid->GetCellData()->AddArray(scalar);
   return grid;
+}
+
+vtkSmartPointer<vtkPolyData> randomPoints(const std::array<double, 6>& bounds, int count)
+{
+  std::mt19937 engine(7);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (int i = 0; i < count; ++i)
+  {
+    std::array<double, 3> p;
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * (engine() / 4294967296.);
+    }
+    points->InsertNextPoint(p.data());
+  }
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  return data;
 }
 
 vtkIdType countVertices(vtkHyperTreeGrid* grid)

@@ -14,6 +14,7 @@
 
 class vtkHyperTreeGrid;
 class vtkObject;
+class vtkPolyData;
 
 namespace treeamr::test
 {
@@ -45,6 +46,9 @@ vtkSmartPointer<vtkHyperTreeGrid> makeUniformlyRefinedGrid(unsigned int level);
 
 /// Masks vertices, coarse or leaf, at random.
 void addRandomMask(vtkHyperTreeGrid* grid, double probability, std::uint32_t seed);
+
+/// Points anywhere in the bounds (xmin, xmax, ymin ...), in double.
+vtkSmartPointer<vtkPolyData> randomPoints(const std::array<double, 6>& bounds, int count);
 
 /// Coarse vertices and leaves: GetNumberOfCells(), which VTK 9.1 calls GetNumberOfVertices().
 vtkIdType countVertices(vtkHyperTreeGrid* grid);
