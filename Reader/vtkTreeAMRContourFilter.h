@@ -10,10 +10,10 @@
  *
  * SetInputArrayToProcess() chooses the cell array, the active scalars by default, and SetComponent() which of its
  * components counts. Every other numeric cell array (but vtkGhostType), or those that GetCellDataArraySelection()
- * enables, is interpolated at the points, component by component: arrays of double and of integers of 32 bits or more give double, all others float.
- * A point is NaN where an array has no finite value in the cells around. Of whole numbers that are rounded, and of
- * values that lie closer together than doubles can tell, a warning says so, once until it goes away. See
- * HyperTreeGridConverter.h for the cells that are drawn and the digits of their values.
+ * enables, is interpolated at the points, component by component: arrays of double and of integers of 32 bits or more
+ * give double, all others float. A point is NaN where an array has no finite value in the cells around. Of whole
+ * numbers that are rounded, and of values that lie closer together than doubles can tell, a warning says so, once
+ * until it goes away. See HyperTreeGridConverter.h for the cells that are drawn and the digits of their values.
  *
  * The output does not depend on the number of threads. It is empty for a grid without trees; for a value that
  * is not finite and for a grid or array that cannot be converted there is an error, too.

@@ -3,8 +3,8 @@
 
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
+#include "LostDigits.h"
 #include "OnceReporter.h"
-#include "SinglePrecision.h"
 
 #include "Error.h"
 #include "Interpolation/Sampler.h"

@@ -6,7 +6,7 @@
  * the geometry of input 0 and, as point arrays, the numeric cell arrays of the grid (all but vtkGhostType, or
  * those that GetCellDataArraySelection() enables) under their own names, all components interpolated one by one,
  * and on request "<name>_gradient" with three components per component of the array (d/dx, d/dy, d/dz of the
- * first, then of the second ...). Values have the array's own type, whole numbers rounded as vtkProbeFilter does (bits
+ * first, then of the second ...). Values have the array's own type, whole numbers rounded as by vtkProbeFilter (bits
  * give unsigned char); gradients are double, as differences over short ways may be beyond float.
  *
  * The array named ValidPointMaskArrayName is 1 at points inside a cell (ghosts too) and 0 outside, where
@@ -16,8 +16,8 @@
  * NEAREST copies the tuples of the cells, as the numbers of their array's type: identifiers stay what they are.
  *
  * The other methods reconstruct values from floats, those of doubles and integers that lie close together beside their
- * size less an offset (see HyperTreeGridConverter.h): about seven digits of the range. Of whole numbers that are rounded,
- * and of values that lie closer together than doubles can tell, a warning says so, once until it goes away.
+ * size less an offset (see HyperTreeGridConverter.h): about seven digits of the range. Of whole numbers that are
+ * rounded, and of values that lie closer together than doubles can tell, a warning says so, once until it goes away.
  *
  * Without a usable array, or for a grid that cannot be converted, there is an error and the output is empty;
  * single arrays that cannot be converted are left out with a warning.

@@ -69,7 +69,7 @@ private:
   LargeVector<float> values_;
   LargeVector<float> means_;
   double offset_; // none is -0, which added to a zero leaves its sign
-  // Where the relative values' own offset is larger than their range, means are rounded to the range's digits, not the offset's.
+  // Where the relative values are all of one size, means are rounded to the digits of their range, not of the size.
   double meanBase_ = 0.;
   Range range_{ 0.f, 0.f };
   std::shared_ptr<SharedRanges> ranges_ = std::make_shared<SharedRanges>();

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "HyperTreeGridConverter.h"
-#include "SinglePrecision.h"
+#include "LostDigits.h"
 
 #include "Surface/Isosurface.h"
 

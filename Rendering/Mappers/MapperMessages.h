@@ -1,8 +1,8 @@
 // What a mapper has to say, each thing once until it goes away. Private to the module.
 #pragma once
 
+#include "LostDigits.h"
 #include "OnceReporter.h"
-#include "SinglePrecision.h"
 #include "UnsupportedSettings.h"
 
 #include <exception>

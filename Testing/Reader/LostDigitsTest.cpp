@@ -1,5 +1,5 @@
 // What is said of values of which neither floats nor doubles hold all digits.
-#include "SinglePrecision.h"
+#include "LostDigits.h"
 #include "OnceReporter.h"
 
 #include "Support/HyperTreeGrids.h"
@@ -60,7 +60,7 @@ Remark remarkOnDoubles(const std::function<double(int, int)>& value)
 
 } // namespace
 
-TEST(SinglePrecision, RangesThatDoublesDoNotTellApart)
+TEST(LostDigits, RangesThatDoublesDoNotTellApart)
 {
   const Remark first = remarkOnDoubles([](int i, int) { return 1e15 + i / 511.; });
   EXPECT_EQ(first.text,
@@ -87,7 +87,7 @@ TEST(SinglePrecision, RangesThatDoublesDoNotTellApart)
   }
 }
 
-TEST(SinglePrecision, ComponentsAndMagnitudes)
+TEST(LostDigits, ComponentsAndMagnitudes)
 {
   const auto value = [](int i, int c) { return c == 1 ? 1e15 + i / 512. : i / 512.; };
   for (const auto& [component, isSaid] : { std::pair(0, false), std::pair(1, true), std::pair(-1, true) })
@@ -98,7 +98,7 @@ TEST(SinglePrecision, ComponentsAndMagnitudes)
   }
 }
 
-TEST(SinglePrecision, NothingIsSaidWhereNothingIsLost)
+TEST(LostDigits, NothingIsSaidWhereNothingIsLost)
 {
   const std::vector<std::pair<const char*, std::function<double(int, int)>>> cases{
     { "a constant", [](int, int) { return 0.1; } },
@@ -117,7 +117,7 @@ TEST(SinglePrecision, NothingIsSaidWhereNothingIsLost)
   EXPECT_EQ(remarkOn(floats, [](int i, int) { return 1e9 + i; }).text, "");
 }
 
-TEST(SinglePrecision, MessagesAreSaidOnceUntilTheyGoAway)
+TEST(LostDigits, MessagesAreSaidOnceUntilTheyGoAway)
 {
   OnceReporter reporter;
   for (int round = 0; round < 3; ++round)

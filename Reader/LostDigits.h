@@ -13,7 +13,8 @@ struct Remark
   std::string text;
 };
 
-/// Of a field of whole numbers that are stored beyond those that are all exact in single precision. array: its own.
+/// Of a field of whole numbers that are rounded, as they are stored beyond those that single precision has all of.
+/// array: its own.
 Remark roundedIntegers(vtkDataArray& array, const Field& field);
 
 /// Of a field with a range so small that 2^-20 of it is less than doubles can tell: isovalues, colours and results

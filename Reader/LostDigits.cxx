@@ -1,4 +1,4 @@
-#include "SinglePrecision.h"
+#include "LostDigits.h"
 
 #include "vtkDataArray.h"
 
@@ -45,7 +45,7 @@ Remark roundedIntegers(vtkDataArray& array, const Field& field)
   {
     std::ostringstream text;
     text << about << " that differ by up to " << static_cast<double>(field.range().max) - field.range().min
-         << "; single precision rounds them to a " << exact << "th of that";
+         << "; single precision rounds them to a " << static_cast<int>(exact) << "th of that";
     return { about, text.str() };
   }
   return { about,
