@@ -97,8 +97,9 @@ public:
 
   ///@{
   /**
-   * Whether to add "Gradients" in world coordinates, continuous across all levels as the normals are: interpolated between
-   * those of the vertices (Core/Interpolation/BlockGradients.h). Double precision, as differences of floats over short ways may be beyond float. Off by default.
+   * Whether to add "Gradients" in world coordinates, continuous across all levels as the normals are: interpolated
+   * between those of the vertices (see Core/Interpolation/BlockGradients.h). Double precision, as differences of floats
+   * over short ways may be beyond float. Off by default.
    */
   vtkSetMacro(ComputeGradients, bool);
   vtkGetMacro(ComputeGradients, bool);

@@ -1,5 +1,7 @@
 #include "Contour/BlockContour.h"
 
+#include "Octree/Coverage.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -15,20 +17,6 @@ constexpr std::array<int, 3> entryStride{ 1, 3, 9 }; // of a neighbourhood
 constexpr int entryOfFace(int face)
 {
   return 13 + (face & 1 ? entryStride[face >> 1] : -entryStride[face >> 1]);
-}
-
-/// Whether the domain is covered.
-bool hasAllCells(const Octree& octree) noexcept
-{
-  std::uint64_t cells = 1; // when none is refined
-  for (const int roots : octree.grid().roots())
-  {
-    cells *= static_cast<std::uint64_t>(roots);
-  }
-  const int padding = octree.grid().paddingDepth();
-  const std::uint64_t above =
-    padding < octree.innerDepths() ? octree.firstInner(padding) : octree.innerCount();
-  return octree.leafCount() == cells + 7 * (octree.innerCount() - above);
 }
 
 } // namespace

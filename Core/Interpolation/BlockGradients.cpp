@@ -1,6 +1,7 @@
 #include "Interpolation/BlockGradients.h"
 
 #include "Interpolation/GTIWeights.h"
+#include "Octree/Coverage.h"
 
 #include <algorithm>
 #include <bit>
@@ -153,6 +154,7 @@ private:
 GradientEvaluator::GradientEvaluator(const Field& field)
   : field_(field)
   , octree_(field.octree())
+  , hasAllCells_(hasAllCells(octree_))
   , leafDepth_(Octree::maxDepth + 1)
   , path_(octree_)
   , levels_(std::make_unique_for_overwrite<Level[]>(octree_.innerDepths() + 1))
@@ -208,6 +210,7 @@ void GradientEvaluator::gather(int depth, Level& level) const noexcept
   const bool takesInner = depth + 1 >= leafDepth_;
   const float* leaves = field_.leafValues().data();
   level.coarse = level.special = {};
+  level.isComplete = hasAllCells_;
   for (int entry = 0; entry < 27; ++entry)
   {
     const NodeRef node = around[entry];
@@ -225,6 +228,7 @@ void GradientEvaluator::gather(int depth, Level& level) const noexcept
     {
       add(level.special, 0xff);
       add(level.coarse, node.isLeaf() ? 0xff : 0);
+      level.isComplete = level.isComplete && node.isLeaf();
       for (int o = 0; o < 8; ++o)
       {
         level.cellValue[first + cornerOffset(o, cellStride)] = 0.;
@@ -256,14 +260,14 @@ void GradientEvaluator::gather(int depth, Level& level) const noexcept
 void GradientEvaluator::measure(int depth, Level& level) const noexcept
 {
   const int ofVertices = depth + 2 - octree_.grid().paddingDepth(); // level of their lattice
+  const double perRoot = std::ldexp(1., -std::max(ofVertices, 0));
   for (int a = 0; a < 3; ++a)
   {
     level.at[a][0] = 0.;
     for (int i = 1; i < pointsPerEdge && ofVertices >= 0; ++i)
     {
       const Coord interval = 4 * path_.index(depth)[a] + i - 3;
-      level.at[a][i] =
-        level.at[a][i - 1] + std::ldexp(this->rootWidth(a, interval >> ofVertices), -ofVertices);
+      level.at[a][i] = level.at[a][i - 1] + perRoot * this->rootWidth(a, interval >> ofVertices);
     }
   }
 }
@@ -325,6 +329,10 @@ auto withAxes(unsigned axes, const F& f) noexcept
 /// Of a point of the path's node at a depth, whose level it is.
 GradientEvaluator::Value GradientEvaluator::valueAt(int depth, Level& level, int point) noexcept
 {
+  if (level.known[point])
+  {
+    return level.value[point];
+  }
   const PointPlace& place = pointPlaces[point];
   if (!touches(level.special, place))
   {
@@ -332,15 +340,11 @@ GradientEvaluator::Value GradientEvaluator::valueAt(int depth, Level& level, int
     return { withAxes(place.axes, [&]<unsigned Axes>() noexcept { return meanAround<Axes>(first); }), true,
       allAxes };
   }
-  if (!level.known[point])
-  {
-    level.known[point] = true;
-    level.value[point] = touches(level.coarse, place)
-      ? this->betweenCoarser(depth, point) // asks coarser levels alone: this one keeps its node
-      : withAxes(place.axes,
-          [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
-  }
-  return level.value[point];
+  level.known[point] = true;
+  return level.value[point] = touches(level.coarse, place)
+    ? this->betweenCoarser(depth, point) // asks coarser levels alone: this one keeps its node
+    : withAxes(place.axes,
+        [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
 }
 
 /// Of one that does not hang.
@@ -551,11 +555,47 @@ double GradientEvaluator::slopeBesideMissing(int depth, Level& level, int axis, 
   return low < high ? (along[high].value - along[low].value) / (at[high] - at[low]) : 0.;
 }
 
-void GradientEvaluator::compute(
-  const BlockPath& path, BlockCells cells, const BlockVertices& vertices, BlockGradients& gradients) noexcept
+/// Takes the values of the vertices of drawn children, where no cell is missing: of those that hang on coarser leaves,
+/// cells farther away may be.
+void GradientEvaluator::take(
+  const std::array<double, block::vertexCount>& values, Level& level) const noexcept
+{
+  for (int octant = 0; octant < 8 && level.isComplete; ++octant)
+  {
+    const int cell = 2 * cornerOffset(7, cellStride) + cornerOffset(octant, cellStride);
+    if (level.special[cell / 36] >> cell % 36 & 1)
+    {
+      continue;
+    }
+    const int firstVertex = 2 * cornerOffset(octant, block::vertexStride);
+    const int firstPoint = 2 * cornerOffset(7, pointStride) + 2 * cornerOffset(octant, pointStride);
+    for (int row = 0; row < 9; ++row)
+    {
+      const int point = firstPoint + pointStride[1] * (row % 3) + pointStride[2] * (row / 3);
+      const int vertex =
+        firstVertex + block::vertexStride[1] * (row % 3) + block::vertexStride[2] * (row / 3);
+      for (int x = 0; x < 3; ++x)
+      {
+        if (touches(level.coarse, pointPlaces[point + x]))
+        {
+          continue;
+        }
+        level.value[point + x] = { values[vertex + x], true, allAxes };
+        level.known[point + x] = true;
+      }
+    }
+  }
+}
+
+void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
+  BlockGradients& gradients, const std::array<double, block::vertexCount>* values) noexcept
 {
   this->moveTo(path, cells == BlockCells::Means ? path.depth + 1 : Octree::maxDepth + 1);
   Level& level = this->levelAt(path.depth);
+  if (values)
+  {
+    this->take(*values, level);
+  }
   for (int z = 0; z < block::verticesPerEdge; ++z)
   {
     for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)

@@ -51,9 +51,9 @@ public:
   explicit GradientEvaluator(const Field& field);
 
   /// At some vertices, each of a drawn child, of the inner node at the path's end. With means, every node of the
-  /// children's size is taken as a leaf.
+  /// children's size is taken as a leaf. values: the same block's, which save time; null: not at hand.
   void compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
-    BlockGradients& gradients) noexcept;
+    BlockGradients& gradients, const std::array<double, block::vertexCount>* values = nullptr) noexcept;
 
 private:
   /// In and around an inner node lie 6 x 6 x 6 cells of its children's size, from its lower corner -2 to 3 along each
@@ -78,11 +78,12 @@ private:
     std::uint64_t node = noNode;
     CellMask coarse;                                     // parts of coarser leaves
     CellMask special;                                    // and what else is no leaf of this size
+    bool isComplete;                                     // none is missing
     std::array<double, cellCount> cellValue;             // 0 of coarse and missing ones
     std::array<std::uint64_t, cellCount> inner;          // of special cells; noNode: it is missing or coarse
     std::array<std::array<double, pointsPerEdge>, 3> at; // world coordinates of the points, from the first on
     std::bitset<pointCount> known;
-    std::array<Value, pointCount> value; // of points beside special cells
+    std::array<Value, pointCount> value; // of points beside special cells, and of those that were given
     std::bitset<block::vertexCount> gradientKnown;
     BlockGradients gradient;
   };
@@ -102,13 +103,15 @@ private:
   int forCoarser(int depth, int point, const F& f) noexcept;
   Vec3 gradientAt(int depth, Level& level, int vertex) noexcept;
   double slopeAt(int depth, Level& level, int axis, int point) noexcept;
+  void take(const std::array<double, block::vertexCount>& values, Level& level) const noexcept;
   double slopeBesideMissing(int depth, Level& level, int axis, int point) noexcept;
   double rootWidth(int axis, Coord root) const noexcept;
 
   const Field& field_;
   const Octree& octree_;
   Vec3 uniformWidth_{}; // of the roots; 0: they differ
-  int leafDepth_;       // nodes of this depth are taken as leaves
+  bool hasAllCells_;
+  int leafDepth_; // nodes of this depth are taken as leaves
   TreePath path_;
   std::unique_ptr<Level[]> levels_; // by depth of the inner node
 };

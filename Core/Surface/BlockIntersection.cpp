@@ -37,8 +37,10 @@ void visitMixed(const CrossedBlock& block, const RayPart& ray, double isovalue, 
 
 } // namespace
 
-BlockIntersection::BlockIntersection(const SurfaceBlocks& blocks, const TraceSpace& space)
+BlockIntersection::BlockIntersection(
+  const SurfaceBlocks& blocks, const SurfaceGradients& gradients, const TraceSpace& space)
   : blocks_(blocks)
+  , gradients_(gradients)
   , space_(space)
   , widest_(0.)
 {
@@ -295,7 +297,11 @@ void BlockIntersection::addPlace(
 {
   HitPlaces& places = tile.places;
   tile.placed[places.count] = { hit, ray };
-  places.add(*block.record, block.planes, space_.domain(), hit.octant, place);
+  if (places.withNormals)
+  {
+    places.addNormal(gradients_.record(block.number, *block.record), hit.octant);
+  }
+  places.add(*block.record, block.planes, hit.octant, place);
   if (places.count == HitPlaces::most)
   {
     takePlaces(tile);
@@ -353,17 +359,14 @@ void BlockIntersection::finish(RayTile& tile) const
   takePlaces(tile);
 }
 
-void BlockIntersection::setGradients(
-  const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const noexcept
+void BlockIntersection::setGradients(const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const
 {
-  auto [exact, smooth] = gradientsAt(*block.record, block.planes, space_.domain(), hit.octant, place);
+  hit.gradient = gradientAt(*block.record, block.planes, hit.octant, place);
   for (int a = 0; a < 3; ++a)
   {
-    exact[a] /= space_.width(a);
-    smooth[a] /= space_.width(a);
+    hit.gradient[a] /= space_.width(a);
   }
-  hit.gradient = exact;
-  const Vec3 normal = normalized(dot(smooth, exact) > 0. ? smooth : exact);
+  const Vec3 normal = normalAt(gradients_.record(block.number, *block.record), hit.octant, place);
   std::copy(normal.begin(), normal.end(), hit.normal.begin());
 }
 

@@ -106,7 +106,7 @@ struct RayTile
 class BlockIntersection
 {
 public:
-  BlockIntersection(const SurfaceBlocks& blocks, const TraceSpace& space);
+  BlockIntersection(const SurfaceBlocks& blocks, const SurfaceGradients& gradients, const TraceSpace& space);
 
   const SurfaceBlocks& blocks() const noexcept { return blocks_; }
   const TraceSpace& space() const noexcept { return space_; }
@@ -138,7 +138,7 @@ private:
   bool open(CrossedBlock& block, const Misses& misses) const;
   bool nearestInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const;
   void collectInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const;
-  void setGradients(const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const noexcept;
+  void setGradients(const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const;
   template <class Visit, class GoesOn>
   void visitHits(const CrossedBlock& block, const RayPart& ray, const RayHits& hits, const Visit& visit,
     const GoesOn& goesOn) const;
@@ -155,6 +155,7 @@ private:
   void takePlaces(RayTile& tile) const;
 
   const SurfaceBlocks& blocks_;
+  const SurfaceGradients& gradients_;
   const TraceSpace& space_;
   double widest_; // extent of the domain
 };

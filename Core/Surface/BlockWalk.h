@@ -4,6 +4,7 @@
 #include "Geometry/Trilinear.h"
 #include "Surface/CubicRoot.h"
 #include "Surface/SurfaceBlocks.h"
+#include "Surface/SurfaceGradients.h"
 #include "Surface/TraceSpace.h"
 
 #include <algorithm>
@@ -226,39 +227,33 @@ inline double onSeam(
   return std::abs(value) <= tolerance ? 0. : value;
 }
 
-/// d value / d coordinate of the planes.
-struct PlaceGradients
+/// Of the field at a place in an octant, per unit of the planes.
+inline Vec3 gradientAt(
+  const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& place) noexcept
 {
-  Vec3 exact; // of the field in the octant
-  /// With an error of second order: along each axis from the slope of the lower half of the leaf, at its lower face, to
-  /// that of the upper half, at its upper face. Continuous in the leaf and to equal neighbours: at a face the slope is
-  /// that between the centres of the cells. At the domain's end, where the field is flat, the other half's counts for
-  /// all of the leaf.
-  Vec3 smooth;
-};
-
-/// At a place in the octant.
-inline PlaceGradients gradientsAt(const SurfaceRecord& record, const BlockPlanes& planes,
-  const Bounds& domain, int octant, const Vec3& place) noexcept
-{
-  PlaceGradients gradients;
+  Vec3 gradient;
   for (int a = 0; a < 3; ++a)
   {
-    const int half = octant >> 2 * a & 1;
-    const double* face = record.values.data() + firstVertex(octant) - half * block::vertexStride[a];
-    const auto difference = [&](int plane) {
-      return slopeAlong(a, face + plane * block::vertexStride[a], block::vertexStride, place);
-    };
-    const int cell = (octant >> 2 * a & 3) - half;
-    const double lower = difference(0) * planes.inverseWidth[a][cell];
-    const double upper = difference(1) * planes.inverseWidth[a][cell + 1];
-    const bool isFirst = planes.at[a][cell] == domain.min[a];
-    const bool isLast = planes.at[a][cell + 2] == domain.max[a];
-    const double fromLower = isFirst ? 1. : isLast ? 0. : 0.5 * (half + place[a]);
-    gradients.exact[a] = half != 0 ? upper : lower;
-    gradients.smooth[a] = lower + fromLower * (upper - lower);
+    gradient[a] = slopeAlong(a, record.values.data() + firstVertex(octant), block::vertexStride, place) *
+      planes.inverseWidth[a][octant >> 2 * a & 3];
   }
-  return gradients;
+  return gradient;
+}
+
+/// Between the vertex gradients: continuous across all levels. 0 where that is.
+inline Vec3 normalAt(const GradientRecord& record, int octant, const Vec3& place) noexcept
+{
+  Vec3 gradient;
+  for (int a = 0; a < 3; ++a)
+  {
+    Corners corners;
+    for (int c = 0; c < 8; ++c)
+    {
+      corners[c] = record.gradients[firstVertex(octant) + cornerOffset(c, block::vertexStride)][a];
+    }
+    gradient[a] = trilinear(corners, place);
+  }
+  return normalized(gradient);
 }
 
 } // namespace treeamr

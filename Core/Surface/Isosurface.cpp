@@ -137,6 +137,7 @@ struct Isosurface::Impl
 {
   std::vector<double> isovalues; // as asked for
   SurfaceBlocks blocks;
+  SurfaceGradients gradients;
   TraceSpace space;
   BlockIntersection intersection;
   double extractionSeconds; // until here
@@ -147,8 +148,9 @@ struct Isosurface::Impl
     int mostCellDepth, std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now())
     : isovalues(std::move(ascending))
     , blocks(field, relative(isovalues, field->offset()), keptBytes, mostCellDepth)
+    , gradients(blocks, keptBytes / 2)
     , space(field->octree().grid())
-    , intersection(blocks, space)
+    , intersection(blocks, gradients, space)
     , extractionSeconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count())
     , hierarchy(intersection)
   {
@@ -236,6 +238,7 @@ IsosurfaceStatistics Isosurface::statistics() const
   statistics.blockBytes = impl_->blocks.byteSize();
   statistics.hierarchyBytes = impl_->hierarchy.byteSize();
   statistics.keptBytes = impl_->blocks.keptBytes();
+  statistics.gradientBytes = impl_->gradients.byteSize();
   statistics.extractionSeconds = impl_->extractionSeconds;
   statistics.hierarchySeconds = impl_->hierarchy.seconds();
   return statistics;
@@ -249,6 +252,7 @@ std::uint64_t Isosurface::octantCount() const
 void Isosurface::startFrame() const
 {
   impl_->blocks.startFrame();
+  impl_->gradients.startFrame();
   this->tighten();
 }
 
@@ -310,8 +314,8 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax, const DataCu
   return any;
 }
 
-void Isosurface::render(
-  const RayView& view, SurfaceLayers layers, HitImage& image, std::size_t mostHits) const
+void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& image, std::size_t mostHits,
+  SurfaceNormals normals) const
 {
   const auto& [camera, stops] = view;
   stops.check(camera, "isosurface");
@@ -323,6 +327,7 @@ void Isosurface::render(
   image.first.assign(tiles.pixels() + 1, 0);
   tiles.forAll([&](int i, int j) {
     RayTile& tile = impl_->tile();
+    tile.places.withNormals = normals == SurfaceNormals::Smooth;
     std::array<std::size_t, RayTile::most> pixelOf;
     tiles.forPackets(i, j, [&](int x, int y, std::uint32_t pixels) {
       int ray = tile.count;

@@ -20,8 +20,9 @@ struct SurfaceHit
 {
   double t;
   Vec3 gradient; // of the field, d value / d data coordinate
-  /// To shade by, in data coordinates: unit length, to the second order the normal of the surface that the
-  /// field approximates, less than a right angle from the gradient; 0 where that is.
+  /// To shade by, in data coordinates: unit length, towards higher values, to the second order the normal of the
+  /// surface that the field approximates, and continuous across all levels (BlockGradients.h). 0 where that vanishes
+  /// and where no normals were asked for.
   std::array<float, 3> normal;
   std::uint32_t surface; // which of Isosurface::isovalues()
   std::uint32_t block;   // where Isosurface::cell() finds the cell
@@ -45,12 +46,19 @@ enum class SurfaceLayers
   All
 };
 
+enum class SurfaceNormals
+{
+  Smooth,
+  None // those of the gradients do
+};
+
 struct IsosurfaceStatistics
 {
   std::size_t blocks = 0; // inner nodes that a surface may pass through
   std::size_t blockBytes = 0;
   std::size_t hierarchyBytes = 0; // Embree's
   std::size_t keptBytes = 0;      // of vertex values
+  std::size_t gradientBytes = 0;  // of vertex gradients
   double extractionSeconds = 0.;  // of wall time
   double hierarchySeconds = 0.;
 };
@@ -62,7 +70,8 @@ public:
   static constexpr int allCellDepths = Octree::maxDepth;
 
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
-  /// them. Vertex values are computed where rays come and kept within keptBytes. Cells deeper than mostCellDepth
+  /// them. Vertex values are computed where rays come and kept within keptBytes; gradients where normals are asked for,
+  /// within half as much again. Cells deeper than mostCellDepth
   /// (at least 1; a root's is 0) are drawn together by their means, as level of detail (see cellDepthFor()), but
   /// for those that would be together with ghosts. Throws Error without a field or isovalues, for one that is not
   /// finite, or when Embree fails.
@@ -97,7 +106,8 @@ public:
   /// Hits between the camera's near and far planes, of what the stops leave. Of all layers each pixel gets the
   /// nearest mostHits at most.
   void render(const RayView& view, SurfaceLayers layers, HitImage& image,
-    std::size_t mostHits = std::numeric_limits<std::size_t>::max()) const;
+    std::size_t mostHits = std::numeric_limits<std::size_t>::max(),
+    SurfaceNormals normals = SurfaceNormals::Smooth) const;
 
   /// Its place.
   CellId cell(const SurfaceHit& hit) const noexcept;

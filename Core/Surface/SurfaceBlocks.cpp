@@ -272,11 +272,12 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   }
   else
   {
-    const BlockPath path(octree, { block.index(0), block.index(1), block.index(2) }, block.depth());
+    const BlockPath path = this->pathTo(block);
     const std::uint64_t node = path.node[path.depth];
     const Octree::Children children = octree.children(node);
-    const bool byMeans = block.depth() >= deepest_ && children.inner() != 0 && !octree.hasGhostsBelow(node);
-    worker.evaluator.computeUnrounded(path, byMeans ? BlockCells::Means : BlockCells::Leaves, record.values);
+    const BlockCells cells = this->cellsOf(block, node);
+    const bool byMeans = cells == BlockCells::Means;
+    worker.evaluator.computeUnrounded(path, cells, record.values);
     drawn = byMeans ? children.exists : children.leaf;
     for (unsigned rest = octree.hasGhosts() && !byMeans ? drawn : 0; rest != 0; rest &= rest - 1)
     {

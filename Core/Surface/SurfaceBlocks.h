@@ -108,6 +108,18 @@ public:
   const LargeVector<SurfaceBlock>& all() const noexcept { return blocks_; }
   const std::vector<double>& isovalues() const noexcept { return isovalues_; }
   const Field& field() const noexcept { return *field_; }
+  /// To the node of a block whose depth is not -1, and what its cells are: means where they are drawn together.
+  BlockPath pathTo(const SurfaceBlock& block) const noexcept
+  {
+    return BlockPath(field_->octree(), { block.index(0), block.index(1), block.index(2) }, block.depth());
+  }
+  BlockCells cellsOf(const SurfaceBlock& block, std::uint64_t node) const noexcept
+  {
+    const Octree& octree = field_->octree();
+    return block.depth() >= deepest_ && octree.children(node).inner() != 0 && !octree.hasGhostsBelow(node)
+      ? BlockCells::Means
+      : BlockCells::Leaves;
+  }
   bool isKept(std::uint32_t block) const noexcept
   {
     return std::atomic_ref(blocks_[block].record_).load(std::memory_order_relaxed) != 0;

@@ -54,24 +54,26 @@ public:
   /// a normal without a side does not need.
   Vec3 worldNormal(const Vec3& gradient, const Vec3& side) const noexcept
   {
-    const Vec3 n = normalized(
-      { dot(cofactors_[0], gradient), dot(cofactors_[1], gradient), dot(cofactors_[2], gradient) });
+    const Vec3 n = this->transformed(gradient);
     if (n == Vec3{})
     {
       return side;
     }
     return dot(n, side) < 0. ? Vec3{ -n[0], -n[1], -n[2] } : n;
   }
-  /// The unit normal in the world to shade a hit by, on the side of its gradient that is turned towards the eye. Where
-  /// that would turn it away from the eye, it lies across the line of sight: turned over, it would take its light from
-  /// behind the surface.
+  /// The unit normal in the world to shade a hit by: towards higher values, or lower ones, as the gradient that is
+  /// turned towards the eye. Where that would turn it away from the eye, it lies across the line of sight: turned over,
+  /// it would take its light from behind the surface, and change abruptly.
   Vec3 shadingNormal(
     const Vec3& gradient, const std::array<float, 3>& normal, const Vec3& toEye) const noexcept
   {
-    const Vec3 side = worldNormal(gradient, toEye);
-    const Vec3 n = worldNormal({ normal[0], normal[1], normal[2] }, side);
+    const Vec3 up = this->transformed(gradient);
+    const bool isAway = dot(up, toEye) < 0.;
+    const auto turned = [&](const Vec3& v) { return isAway ? Vec3{ -v[0], -v[1], -v[2] } : v; };
+    const Vec3 side = up == Vec3{} ? toEye : turned(up);
+    const Vec3 n = turned(this->transformed({ normal[0], normal[1], normal[2] }));
     const double towards = dot(n, toEye);
-    if (towards >= 0.)
+    if (towards > 0.)
     {
       return n;
     }
@@ -81,6 +83,13 @@ public:
   }
 
 private:
+  /// To unit length in the world; 0 stays.
+  Vec3 transformed(const Vec3& gradient) const noexcept
+  {
+    return normalized(
+      { dot(cofactors_[0], gradient), dot(cofactors_[1], gradient), dot(cofactors_[2], gradient) });
+  }
+
   Matrix4 matrix_;
   std::array<Vec3, 3> cofactors_; // rows
   double determinant_;

@@ -87,10 +87,14 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
     view.sampleDistances = {};
   }
   pose.layers = layers;
+  vtkProperty* property = actor->GetProperty();
+  pose.normals = property->GetLighting() && property->GetInterpolation() != VTK_FLAT
+    ? treeamr::SurfaceNormals::Smooth
+    : treeamr::SurfaceNormals::None;
   // Translucent colours may let light through anywhere.
   pose.mostHits = layers == treeamr::SurfaceLayers::Nearest || this->HasTranslucentPolygonalGeometry()
     ? allLayers
-    : layersBeforeOpaque(actor->GetProperty()->GetOpacity());
+    : layersBeforeOpaque(property->GetOpacity());
   return view;
 }
 

@@ -34,7 +34,7 @@ void SurfaceView::trace(SurfaceLevels& levels, const SurfacePose& pose, double d
   surface_->startFrame();
   RayStops stops;
   stops.cut = pose.cut;
-  surface_->render({ camera, stops }, pose.layers, hits_, pose.mostHits);
+  surface_->render({ camera, stops }, pose.layers, hits_, pose.mostHits, pose.normals);
   camera_ = camera;
 }
 

@@ -29,6 +29,7 @@ struct SurfacePose
   int width = 0; // of the viewport, in pixels
   int height = 0;
   SurfaceLayers layers = SurfaceLayers::Nearest;
+  SurfaceNormals normals = SurfaceNormals::Smooth;
   DataCut cut;
   std::size_t mostHits = std::numeric_limits<std::size_t>::max(); // of a pixel, nearest first
 

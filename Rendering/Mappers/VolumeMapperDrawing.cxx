@@ -142,6 +142,8 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
     pose.width = picture.Viewport.Width;
     pose.height = picture.Viewport.Height;
     pose.layers = treeamr::SurfaceLayers::All;
+    pose.normals = picture.Volume->GetProperty()->GetShade(0) ? treeamr::SurfaceNormals::Smooth
+                                                              : treeamr::SurfaceNormals::None;
     pose.cut = picture.Cut;
     treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
     treeamr::SurfaceAppearance appearance;

@@ -8,7 +8,7 @@
  * name); unset it is the active scalars or, when there are none, the first cell array.
  *
  * The actor's vtkProperty and the renderer's lights shade it as they shade polygons: with normals that are
- * smooth across the cells of a level or, in flat interpolation, those of the trilinear pieces. It is coloured
+ * smooth across cells of all levels or, in flat interpolation, those of the trilinear pieces. It is coloured
  * by an array through vtkMapper's ScalarVisibility, ScalarMode, ColorMode, SelectColorArray() and
  * LookupTable, its opacities included; an array that does not exist or is unfit leaves the solid colour, with
  * a warning; values that are not finite or beyond float have the colour and the opacity of NaN. Coloured by

@@ -186,7 +186,8 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   const treeamr::Isosurface* surfaces = seen.engine();
   const treeamr::IsosurfaceStatistics ofSurfaces =
     surfaces ? surfaces->statistics() : treeamr::IsosurfaceStatistics();
-  addColumn(table, "SurfaceBytes", ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes);
+  addColumn(table, "SurfaceBytes",
+    ofSurfaces.blockBytes + ofSurfaces.hierarchyBytes + ofSurfaces.keptBytes + ofSurfaces.gradientBytes);
   addColumn(table, "SurfaceHits", seen.hitCount());
   addColumn(table, "ImageSampleDistance", frame.ImageSampleDistance);
   addColumn(table, "LevelOfDetail", frame.LevelOfDetail);

@@ -58,6 +58,17 @@ int randomOctant(const Octree::Children& children, std::mt19937& random)
   return octant;
 }
 
+std::uint64_t octantsOfLeaves(const Octree::Children& children)
+{
+  std::uint64_t octants = 0;
+  for (int o = 0; o < 64; ++o)
+  {
+    const int child = (o >> 1 & 1) | (o >> 3 & 1) << 1 | o >> 5 << 2;
+    octants |= static_cast<std::uint64_t>(children.leaf >> child & 1) << o;
+  }
+  return octants;
+}
+
 int cornerOf(int octant, int corner)
 {
   return block::vertexIndex(octant & 3, octant >> 2 & 3, octant >> 4) +
@@ -130,6 +141,33 @@ TEST(BlockGradients, EqualTheBruteForceEvaluation)
   EXPECT_GT(oneSided, 500);
 }
 
+TEST(BlockGradients, AreTheSameWithTheBlocksValuesAtHand)
+{
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+    GradientEvaluator evaluator(*field);
+    GradientEvaluator alone(*field);
+    BlockEvaluator ofValues(*field);
+    forEachBlock(field->octree(), [&](const TreePath& block, const Octree::Children& children) {
+      std::array<double, block::vertexCount> values;
+      ofValues.computeUnrounded(BlockPath(block), BlockCells::Leaves, values);
+      const BlockVertices vertices = verticesOfOctants(octantsOfLeaves(children));
+      BlockGradients with{};
+      BlockGradients without{};
+      evaluator.compute(BlockPath(block), BlockCells::Leaves, vertices, with, &values);
+      alone.compute(BlockPath(block), BlockCells::Leaves, vertices, without);
+      for (int v = 0; v < block::vertexCount; ++v)
+      {
+        for (int a = 0; a < 3; ++a)
+        {
+          ASSERT_NEAR(with[v][a], without[v][a], 1e-12) << "seed " << options.seed << ", vertex " << v;
+        }
+      }
+    });
+  }
+}
+
 TEST(BlockGradients, OfTrilinearFieldsAreExact)
 {
   // Values are whole numbers of 2^-15: nothing is rounded.
@@ -147,12 +185,7 @@ TEST(BlockGradients, OfTrilinearFieldsAreExact)
     const auto field = makeField(unitRoots({ 4, 4, 4 }), cells);
     GradientEvaluator evaluator(*field);
     forEachBlock(field->octree(), [&](const TreePath& block, const Octree::Children& children) {
-      std::uint64_t octants = 0;
-      for (int o = 0; o < 64; ++o)
-      {
-        const int child = (o >> 1 & 1) | (o >> 3 & 1) << 1 | o >> 5 << 2;
-        octants |= static_cast<std::uint64_t>(children.leaf >> child & 1) << o;
-      }
+      std::uint64_t octants = octantsOfLeaves(children);
       BlockGradients gradients;
       evaluator.compute(BlockPath(block), BlockCells::Leaves, verticesOfOctants(octants), gradients);
       for (; octants != 0; octants &= octants - 1)

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -194,80 +195,6 @@ TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
     }
   }
   EXPECT_GT(interior, 5000);
-}
-
-TEST(Isosurface, NormalsInterpolateDifferencesOfCells)
-{
-  // Rough values on a uniform grid of cells that are not cubes.
-  constexpr int count = 8;
-  constexpr Vec3 width{ 0.5, 0.125, 1. };
-  std::array<double, count * count * count> value;
-  std::mt19937 random(31);
-  std::uniform_real_distribution<float> uniform(0.f, 1.f);
-  std::vector<LeafCell> cells;
-  for (int i = 0; i < count * count * count; ++i)
-  {
-    const float v = uniform(random);
-    value[i] = v;
-    cells.push_back({ { { i % count, i / count % count, i / (count * count) }, 1 }, v });
-  }
-  const RootGrid grid = RootGrid::uniform(
-    { count / 2, count / 2, count / 2 }, { 0., 0., 0. }, { 2. * width[0], 2. * width[1], 2. * width[2] });
-  const Isosurface surface(makeField(grid, cells), { 0.5 });
-  // Between the centres of cells linear along two axes, and along the third between the differences at cells' faces.
-  const auto expectedSlope = [&](const Vec3& p, int axis) {
-    double slope = 0.;
-    for (int corner = 0; corner < 8; ++corner)
-    {
-      std::array<int, 3> cell;
-      double weight = 1.;
-      for (int a = 0; a < 3; ++a)
-      {
-        const double place = p[a] / width[a] - (a == axis ? 0. : 0.5);
-        const double low = std::floor(place);
-        cell[a] = static_cast<int>(low) + (corner >> a & 1);
-        weight *= corner >> a & 1 ? place - low : 1. - (place - low);
-      }
-      const int upper = cell[0] + count * (cell[1] + count * cell[2]);
-      constexpr std::array<int, 3> stride{ 1, count, count * count };
-      slope += weight * (value[upper] - value[upper - stride[axis]]) / width[axis];
-    }
-    return slope;
-  };
-  int smooth = 0;
-  int own = 0;
-  for (int i = 0; i < 20000; ++i)
-  {
-    const Vec3 target = inside({ count, count, count }, random);
-    const Ray ray = towards(
-      { target[0] * width[0], target[1] * width[1], target[2] * width[2] }, { count, count, count }, random);
-    std::vector<SurfaceHit> hits;
-    surface.intersectAll(ray, 0., 100., hits);
-    for (const SurfaceHit& hit : hits)
-    {
-      const Vec3 p = at(ray, hit.t);
-      bool nearBoundary = false;
-      for (int a = 0; a < 3; ++a)
-      {
-        nearBoundary = nearBoundary || p[a] < 1.001 * width[a] || p[a] > (count - 1.001) * width[a];
-      }
-      if (nearBoundary)
-      {
-        continue;
-      }
-      const Vec3 slope{ expectedSlope(p, 0), expectedSlope(p, 1), expectedSlope(p, 2) };
-      const double along = dot(unit(slope), unit(hit.gradient));
-      if (std::abs(along) < 1e-6)
-      {
-        continue; // rounding decides
-      }
-      const Vec3 expected = unit(along > 0. ? slope : hit.gradient);
-      EXPECT_NEAR(dot(widened(hit.normal), expected), 1., 1e-5);
-      (along > 0. ? smooth : own)++;
-    }
-  }
-  EXPECT_GT(smooth, 20000);
-  EXPECT_GT(own, 100);
 }
 
 TEST(Isosurface, OfASingleCellIsAllOfItOrNothing)
@@ -497,9 +424,39 @@ TEST(Isosurface, HitsDoNotDependOnTheBudget)
     {
       ASSERT_EQ(hits.hits[i].t, expected.hits[i].t);
       ASSERT_EQ(hits.hits[i].gradient, expected.hits[i].gradient);
+      ASSERT_EQ(hits.hits[i].normal, expected.hits[i].normal);
     }
+    // Numbers of records that there is no room for.
+    EXPECT_LE(few.statistics().gradientBytes, budget / 2 + 4 * few.statistics().blocks + 1024);
   }
   ASSERT_GT(all.statistics().keptBytes, 3 * budget);
+  ASSERT_GT(all.statistics().gradientBytes, 3 * budget);
+}
+
+TEST(Isosurface, HasNoNormalsUnasked)
+{
+  const RandomTree options{ 12, { 2, 1, 1 }, 5, 0.6, 0.1, false };
+  const auto field = makeField(unitRoots(options.roots), makeRandomTree(options));
+  const Camera camera(
+    multiply(perspective(50., 1., 20.), lookAt({ 4., 2., 3. }, { 1., 0.5, 0.5 })), identityMatrix, 100, 100);
+  for (const SurfaceLayers layers : { SurfaceLayers::Nearest, SurfaceLayers::All })
+  {
+    const Isosurface surface(field, { 0.1 });
+    HitImage flat;
+    HitImage smooth;
+    surface.render(camera, layers, flat, std::numeric_limits<std::size_t>::max(), SurfaceNormals::None);
+    EXPECT_EQ(surface.statistics().gradientBytes, 0u);
+    surface.render(camera, layers, smooth);
+    EXPECT_GT(surface.statistics().gradientBytes, 0u);
+    ASSERT_EQ(flat.hits.size(), smooth.hits.size());
+    ASSERT_GT(flat.hits.size(), 500u);
+    for (std::size_t i = 0; i < flat.hits.size(); ++i)
+    {
+      ASSERT_EQ(flat.hits[i].gradient, smooth.hits[i].gradient);
+      ASSERT_EQ(flat.hits[i].normal, (std::array<float, 3>{}));
+      ASSERT_NEAR(dot(widened(smooth.hits[i].normal), widened(smooth.hits[i].normal)), 1., 1e-6);
+    }
+  }
 }
 
 // A new isovalue costs a search and a hierarchy; values come with rays, which narrow the hierarchy later.

@@ -44,7 +44,8 @@ Hit randomHit(Random& random, int kind)
   const Vec3 apart = random.unit();
   for (int a = 0; a < 3; ++a)
   {
-    hit.normal[a] = kind % 7 == 1 ? 0.f : static_cast<float>(hit.gradient[a] + 0.9 * apart[a]);
+    hit.normal[a] =
+      kind % 7 == 1 ? 0.f : static_cast<float>(hit.gradient[a] + (kind % 3 == 0 ? 1.8 : 0.9) * apart[a]);
     hit.gradient[a] *= length;
     hit.material.ambient[a] = static_cast<float>(random(0., 0.4));
     hit.material.diffuse[a] = static_cast<float>(random(0., 1.));

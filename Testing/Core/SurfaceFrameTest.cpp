@@ -21,6 +21,9 @@ TEST(SurfaceFrame, ShadesBySmoothNormalsOnTheSideThatIsSeen)
   // Turned away from the eye where the piece is not: to the horizon and no further, never to the other side.
   expectNear(frame.shadingNormal({ 1., 0., 0.1 }, { 0.8f, 0.f, -0.6f }, eye), { -1., 0., 0. });
   expectNear(frame.shadingNormal({ -1., 0., -0.1 }, { -0.8f, 0.f, 0.6f }, eye), { -1., 0., 0. });
+  // So does one that is turned away from the piece's own: it never changes sides abruptly.
+  expectNear(frame.shadingNormal({ 0., 0., 1. }, { 0.8f, 0.f, -0.6f }, eye), { -1., 0., 0. });
+  expectNear(frame.shadingNormal({ -1., 0., 0.1 }, { 0.8f, 0.f, 0.6f }, eye), { -0.4, 0., 0.6 });
   // No normal, and no gradient either.
   expectNear(frame.shadingNormal({ 0., 3., 4. }, {}, eye), { 0., 3., 4. });
   expectNear(frame.shadingNormal({}, {}, eye), eye);

@@ -1,4 +1,4 @@
-// The gradients of the field at many hits: gradientsAt() for vectors of them.
+// The gradients and normals at many hits: gradientAt() and normalAt() for vectors of them.
 #include "InstructionSets.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -8,55 +8,50 @@
 #include "Surface/Kernel/SurfaceKernel.h"
 #include "Surface/Kernel/SurfaceVectors-inl.h"
 
-#include "Surface/SurfaceFrame.h"
-
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
 {
 namespace HWY_NAMESPACE
 {
 
+HWY_INLINE Doubles along(Doubles low, Doubles high, Doubles part)
+{
+  return hn::Add(low, hn::Mul(part, hn::Sub(high, low)));
+}
+
 void FindNormals(const Vec3& width, HitPlaces& hits)
 {
   const Tag d;
   for (int i = 0; i < hits.count; i += lanes)
   {
-    std::array<Doubles, 3> place;
+    Vectors3 place;
     for (int a = 0; a < 3; ++a)
     {
       place[a] = hn::Load(d, &hits.place[a][i]);
     }
-    std::array<Doubles, 3> exact;
-    std::array<Doubles, 3> smooth;
     for (int a = 0; a < 3; ++a)
     {
+      const auto at = [&](int edge) { return hn::Load(d, &hits.difference[a][edge][i]); };
       const Doubles atB = place[(a + 1) % 3];
-      const Doubles atC = place[(a + 2) % 3];
-      const auto slope = [&](int half) {
-        const auto at = [&](int edge) { return hn::Load(d, &hits.difference[a][half][edge][i]); };
-        const Doubles low = hn::Add(at(0), hn::Mul(atB, hn::Sub(at(1), at(0))));
-        const Doubles high = hn::Add(at(2), hn::Mul(atB, hn::Sub(at(3), at(2))));
-        const Doubles difference = hn::Add(low, hn::Mul(atC, hn::Sub(high, low)));
-        return hn::Mul(difference, hn::Load(d, &hits.inverseWidth[a][half][i]));
-      };
-      const Doubles lower = slope(0);
-      const Doubles upper = slope(1);
-      const Mask isUpper = hn::Ne(hn::Load(d, &hits.half[a][i]), hn::Zero(d));
-      const Doubles perWidth = set(width[a]);
-      exact[a] = hn::Div(hn::IfThenElse(isUpper, upper, lower), perWidth);
-      smooth[a] =
-        hn::Div(hn::Add(lower, hn::Mul(hn::Load(d, &hits.fromLower[a][i]), hn::Sub(upper, lower))), perWidth);
+      const Doubles difference =
+        along(along(at(0), at(1), atB), along(at(2), at(3), atB), place[(a + 2) % 3]);
+      const Doubles slope = hn::Mul(difference, hn::Load(d, &hits.inverseWidth[a][i]));
+      hn::Store(hn::Div(slope, set(width[a])), d, &hits.gradient[a][i]);
     }
-    const Doubles along = hn::Add(
-      hn::Add(hn::Mul(smooth[0], exact[0]), hn::Mul(smooth[1], exact[1])), hn::Mul(smooth[2], exact[2]));
-    const Mask isSmooth = hn::Gt(along, hn::Zero(d));
-    std::array<Doubles, 3> direction;
-    for (int a = 0; a < 3; ++a)
+    Vectors3 normal{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
+    if (hits.withNormals)
     {
-      hn::Store(exact[a], d, &hits.gradient[a][i]);
-      direction[a] = hn::IfThenElse(isSmooth, smooth[a], exact[a]);
+      for (int a = 0; a < 3; ++a)
+      {
+        const auto onEdge = [&](int edge) {
+          return along(hn::Load(d, &hits.vertexGradient[a][2 * edge][i]),
+            hn::Load(d, &hits.vertexGradient[a][2 * edge + 1][i]), place[0]);
+        };
+        normal[a] =
+          along(along(onEdge(0), onEdge(1), place[1]), along(onEdge(2), onEdge(3), place[1]), place[2]);
+      }
+      normal = normalizedVectors(normal);
     }
-    const std::array<Doubles, 3> normal = normalizedVectors(direction);
     for (int a = 0; a < 3; ++a)
     {
       hn::Store(normal[a], d, &hits.normal[a][i]);
@@ -79,29 +74,32 @@ void findNormals(const Vec3& width, HitPlaces& hits) noexcept
   HWY_DYNAMIC_DISPATCH(FindNormals)(width, hits);
 }
 
-void HitPlaces::add(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain, int octant,
-  const Vec3& at) noexcept
+void HitPlaces::addNormal(const GradientRecord& record, int octant) noexcept
 {
-  constexpr std::array<int, 3> stride{ 1, 5, 25 };
+  for (int c = 0; c < 8; ++c)
+  {
+    const auto& gradient = record.gradients[firstVertex(octant) + cornerOffset(c, block::vertexStride)];
+    for (int a = 0; a < 3; ++a)
+    {
+      vertexGradient[a][c][count] = gradient[a];
+    }
+  }
+}
+
+void HitPlaces::add(
+  const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& at) noexcept
+{
+  const double* v = record.values.data() + firstVertex(octant);
   for (int a = 0; a < 3; ++a)
   {
-    const int b = stride[(a + 1) % 3];
-    const int c = stride[(a + 2) % 3];
-    const int ofLeaf = octant >> 2 * a & 1;
-    const int cell = (octant >> 2 * a & 3) - ofLeaf;
-    const double* v = record.values.data() + firstVertex(octant) - ofLeaf * stride[a];
-    for (int h = 0; h < 2; ++h, v += stride[a])
-    {
-      difference[a][h][0][count] = v[stride[a]] - v[0];
-      difference[a][h][1][count] = v[stride[a] + b] - v[b];
-      difference[a][h][2][count] = v[stride[a] + c] - v[c];
-      difference[a][h][3][count] = v[stride[a] + b + c] - v[b + c];
-      inverseWidth[a][h][count] = planes.inverseWidth[a][cell + h];
-    }
-    const bool isFirst = planes.at[a][cell] == domain.min[a];
-    const bool isLast = planes.at[a][cell + 2] == domain.max[a];
-    half[a][count] = ofLeaf;
-    fromLower[a][count] = isFirst ? 1. : isLast ? 0. : 0.5 * (ofLeaf + at[a]);
+    const int step = block::vertexStride[a];
+    const int b = block::vertexStride[(a + 1) % 3];
+    const int c = block::vertexStride[(a + 2) % 3];
+    difference[a][0][count] = v[step] - v[0];
+    difference[a][1][count] = v[step + b] - v[b];
+    difference[a][2][count] = v[step + c] - v[c];
+    difference[a][3][count] = v[step + b + c] - v[b + c];
+    inverseWidth[a][count] = planes.inverseWidth[a][octant >> 2 * a & 3];
     place[a][count] = at[a];
   }
   ++count;

@@ -26,17 +26,27 @@ HWY_INLINE Mask isZero(const Vectors3& v)
   return hn::And(hn::And(hn::Eq(v[0], zero), hn::Eq(v[1], zero)), hn::Eq(v[2], zero));
 }
 
-/// SurfaceFrame::worldNormal().
-HWY_INLINE Vectors3 worldNormals(const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& side)
+HWY_INLINE Vectors3 negatedWhere(Mask mask, const Vectors3& v)
+{
+  return select(mask, { hn::Neg(v[0]), hn::Neg(v[1]), hn::Neg(v[2]) }, v);
+}
+
+/// Gradients in the world, of unit length.
+HWY_INLINE Vectors3 transformed(const SurfaceFrame& frame, const Vectors3& gradient)
 {
   Vectors3 inWorld;
   for (int r = 0; r < 3; ++r)
   {
     inWorld[r] = dotVectors(setVectors(frame.cofactors()[r]), gradient);
   }
-  const Vectors3 n = normalizedVectors(inWorld);
-  const Mask isAway = hn::Lt(dotVectors(n, side), hn::Zero(Tag()));
-  return select(isZero(n), side, select(isAway, { hn::Neg(n[0]), hn::Neg(n[1]), hn::Neg(n[2]) }, n));
+  return normalizedVectors(inWorld);
+}
+
+/// SurfaceFrame::worldNormal() towards the eye.
+HWY_INLINE Vectors3 worldNormals(const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& toEye)
+{
+  const Vectors3 n = transformed(frame, gradient);
+  return select(isZero(n), toEye, negatedWhere(hn::Lt(dotVectors(n, toEye), hn::Zero(Tag())), n));
 }
 
 /// SurfaceFrame::shadingNormal().
@@ -44,14 +54,16 @@ HWY_INLINE Vectors3 shadingNormals(
   const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& normal, const Vectors3& toEye)
 {
   const Tag d;
-  const Vectors3 side = worldNormals(frame, gradient, toEye);
-  const Vectors3 n = worldNormals(frame, normal, side);
+  const Vectors3 up = transformed(frame, gradient);
+  const Mask isAway = hn::Lt(dotVectors(up, toEye), hn::Zero(d));
+  const Vectors3 n = negatedWhere(isAway, transformed(frame, normal));
   const Doubles towards = dotVectors(n, toEye);
-  const Mask isSeen = hn::Ge(towards, hn::Zero(d));
+  const Mask isSeen = hn::Gt(towards, hn::Zero(d));
   if (hn::AllTrue(d, isSeen))
   {
     return n;
   }
+  const Vectors3 side = select(isZero(up), toEye, negatedWhere(isAway, up));
   Vectors3 across;
   for (int a = 0; a < 3; ++a)
   {

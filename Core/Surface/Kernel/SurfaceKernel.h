@@ -1,5 +1,5 @@
 // Many rays through the octants of blocks of leaves at once, vectorised with Highway and compiled once for each
-// instruction set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots(), gradientsAt() and shade() on all; the best is
+// instruction set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots(), gradientAt(), normalAt() and shade() on all; the best is
 // chosen when the program runs. Each stage packs what it found, so that the next one has no idle lanes.
 #pragma once
 
@@ -176,28 +176,29 @@ struct CandidateRoots
 /// Finds those that visitRoots() visits, in its order, of one candidate after the other; firstOnly: one of each.
 void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found) noexcept;
 
-/// What the gradients of some hits need, by component, and these; see gradientsAt().
+/// What the gradients and normals of some hits need, by component, and these; see gradientAt() and normalAt().
 struct HitPlaces
 {
   static constexpr int most = 16;
   using Component = std::array<double, most>;
   int count = 0;
-  /// By axis, of the lower and upper half of the leaf along it: differences of the vertex values along the four edges,
-  /// in the order of the next axis, and reciprocal widths.
-  alignas(64) std::array<std::array<std::array<Component, 4>, 2>, 3> difference;
-  alignas(64) std::array<std::array<Component, 2>, 3> inverseWidth;
-  alignas(64) std::array<Component, 3> half; // that the octant is: 0 or 1
-  alignas(64) std::array<Component, 3> fromLower;
+  bool withNormals = true; // else they are 0
+  /// By axis: differences of the octant's vertex values along the four edges, in the order of the next axis, and
+  /// reciprocal width.
+  alignas(64) std::array<std::array<Component, 4>, 3> difference;
+  alignas(64) std::array<Component, 3> inverseWidth;
+  alignas(64) std::array<std::array<Component, 8>, 3> vertexGradient; // by axis, of the octant's corners
   alignas(64) std::array<Component, 3> place;
   alignas(64) std::array<Component, 3> gradient; // as SurfaceHit's
   alignas(64) std::array<Component, 3> normal;
 
+  /// Sets what the normal at the place that is added next needs.
+  void addNormal(const GradientRecord& record, int octant) noexcept;
   /// Adds a place in an octant.
-  void add(const SurfaceRecord& record, const BlockPlanes& planes, const Bounds& domain, int octant,
-    const Vec3& at) noexcept;
+  void add(const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& at) noexcept;
 };
 
-/// Finds the gradients. width: of the planes' units, in data coordinates.
+/// Finds them. width: of the planes' units, in data coordinates.
 void findNormals(const Vec3& width, HitPlaces& hits) noexcept;
 
 /// Hits to be lit, by component: of one ray, without highlights.

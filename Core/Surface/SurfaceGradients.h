@@ -1,0 +1,67 @@
+// The vertex gradients of the blocks that isosurfaces are seen in: what their normals are interpolated from.
+//
+// Computed where hits are, and kept where memory is plenty; nothing is allocated before the first is asked for.
+#pragma once
+
+#include "Interpolation/BlockGradients.h"
+#include "Surface/SurfaceBlocks.h"
+
+#include <mutex>
+
+namespace treeamr
+{
+
+/// At the vertices of a block's active octants, in the order of BlockValues and times a power of two of the block's own:
+/// single precision has their digits then, whatever the size of values and cells.
+struct alignas(64) GradientRecord
+{
+  std::array<std::array<float, 3>, block::vertexCount> gradients;
+};
+
+/// Safe from several threads.
+class SurfaceGradients
+{
+public:
+  SurfaceGradients(const SurfaceBlocks& blocks, std::size_t budgetBytes);
+
+  /// values: the block's. Valid until the thread's next call, for ever when it is kept.
+  const GradientRecord& record(std::uint32_t block, const SurfaceRecord& values) const;
+
+  /// As SurfaceBlocks::startFrame().
+  void startFrame() const;
+  /// Allocated bytes.
+  std::size_t byteSize() const noexcept;
+
+private:
+  struct Chunk
+  {
+    static constexpr std::uint32_t size = 128;
+    std::array<GradientRecord, size> records;
+  };
+  /// By block the number of its record; 0: not kept.
+  using Numbers = LargeVector<std::atomic<std::uint32_t>>;
+  struct Worker
+  {
+    GradientEvaluator evaluator;
+    ChunkPool<Chunk>::Writer writer;
+    BlockGradients gradients;
+    GradientRecord unkept;
+    std::uint32_t unkeptBlock; // whose it is
+  };
+  static constexpr std::uint32_t noBlock = std::numeric_limits<std::uint32_t>::max();
+
+  void prepare() const;
+  Worker& worker() const;
+  void evaluate(const SurfaceBlock& block, const SurfaceRecord& values, Worker& worker,
+    GradientRecord& record) const noexcept;
+
+  const SurfaceBlocks& blocks_;
+  std::size_t budgetBytes_;
+  mutable std::once_flag prepared_;
+  mutable Numbers numbers_;
+  mutable std::optional<ChunkPool<Chunk>> pool_;   // once prepared
+  mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records computed since startFrame()
+  mutable tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers_;
+};
+
+} // namespace treeamr
