@@ -3,7 +3,9 @@
 #include "Support/BruteForceGTI.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/LevelCrossings.h"
 #include "Support/RandomTrees.h"
+#include "Support/RefinedTrees.h"
 #include "Surface/Isosurface.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <random>
 
 using namespace treeamr;
@@ -20,100 +21,10 @@ using namespace treeamr::test;
 namespace
 {
 
-/// A signed distance from a surface, in a domain of 4 x 4 x 4 roots.
-struct Shape
-{
-  const char* name;
-  double (*value)(const Vec3& p);
-  Vec3 (*gradient)(const Vec3& p);
-};
-
-constexpr Vec3 middle{ 2.04, 1.96, 2.02 };
-constexpr double radius = 1.36;
-constexpr std::array<int, 3> roots{ 4, 4, 4 };
-
-double sphere(const Vec3& p)
-{
-  const Vec3 d = p - middle;
-  return std::sqrt(dot(d, d)) - radius;
-}
-
-Vec3 sphereGradient(const Vec3& p)
-{
-  return normalized(p - middle);
-}
-
-/// Of a torus around an oblique axis: the place along the axis, and of the nearest point of the circle.
-Vec3 fromCircle(const Vec3& p)
-{
-  const Vec3 axis = normalized({ 1., 2., 3. });
-  const Vec3 d = p - middle;
-  const double along = dot(d, axis);
-  Vec3 across;
-  for (int a = 0; a < 3; ++a)
-  {
-    across[a] = d[a] - along * axis[a];
-  }
-  const Vec3 out = normalized(across);
-  Vec3 from;
-  for (int a = 0; a < 3; ++a)
-  {
-    from[a] = d[a] - 0.88 * out[a];
-  }
-  return from;
-}
-
-double torus(const Vec3& p)
-{
-  const Vec3 d = fromCircle(p);
-  return std::sqrt(dot(d, d)) - 0.48;
-}
-
-Vec3 torusGradient(const Vec3& p)
-{
-  return normalized(fromCircle(p));
-}
-
-constexpr std::array<Shape, 2> shapes{ Shape{ "sphere", sphere, sphereGradient },
-  Shape{ "torus", torus, torusGradient } };
-
-/// Between the directions of two vectors.
-double degrees(const Vec3& a, const Vec3& b)
-{
-  const Vec3 sine = cross(a, b);
-  return std::atan2(std::sqrt(dot(sine, sine)), dot(a, b)) * 180. / std::numbers::pi;
-}
-
-Vec3 normalOf(const SurfaceHit& hit)
-{
-  return { hit.normal[0], hit.normal[1], hit.normal[2] };
-}
-
 Vec3 at(const Ray& ray, double t)
 {
   return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
     ray.origin[2] + t * ray.direction[2] };
-}
-
-/// Every leaf refined so many times: levels meet where they did.
-std::vector<LeafCell> refined(const std::vector<LeafCell>& cells, int times)
-{
-  const Coord count = Coord(1) << times;
-  std::vector<LeafCell> all;
-  for (const LeafCell& leaf : cells)
-  {
-    for (Coord i = 0; i < count * count * count; ++i)
-    {
-      const std::array<Coord, 3> place{ i % count, i / count % count, i / (count * count) };
-      LeafCell cell{ { {}, leaf.cell.level + times }, 0.f };
-      for (int a = 0; a < 3; ++a)
-      {
-        cell.cell.index[a] = (leaf.cell.index[a] << times) + place[a];
-      }
-      all.push_back(cell);
-    }
-  }
-  return all;
 }
 
 } // namespace
@@ -162,7 +73,7 @@ TEST(SurfaceNormals, AreThoseBetweenVertexGradients)
             expected[a] += weight * gradient[a];
           }
         }
-        worst = std::max(worst, degrees(normalOf(hit), expected));
+        worst = std::max(worst, degreesBetween(normalOf(hit), expected));
         ++checked;
       }
     }
@@ -173,123 +84,80 @@ TEST(SurfaceNormals, AreThoseBetweenVertexGradients)
 
 TEST(SurfaceNormals, DoNotJumpWhereLevelsMeet)
 {
-  std::array<int, 5> ofJump{}; // crossings by the difference of levels
-  double worst = 0.;           // beyond twice the step's own change, in degrees
+  constexpr std::array<int, 3> roots{ BaseTree::roots, BaseTree::roots, BaseTree::roots };
+  const std::vector<AnalyticSurface> surfaces = makeAnalyticSurfaces();
+  std::array<int, LevelCrossings::mostLevels + 1> crossings{}; // by the difference of levels
+  double worst = 0.;
+  double worstOfPieces = 0.;
   for (const std::uint32_t seed : { 7u, 8u, 9u })
   {
-    auto cells = makeRandomTree({ seed, roots, 5, 0.25, 0., false });
-    if (seed < 9) // else random values
-    {
-      setValues(cells, shapes[seed - 7].value);
-    }
-    const auto field = makeField(unitRoots(roots), cells);
-    const Isosurface surface(field, { 0. });
-    struct Face
-    {
-      CellId cell;
-      int axis;
-      int side;
-    };
-    std::mt19937 random(3);
-    std::uniform_real_distribution<double> unit(-1., 1.);
-    // Hits of four parallel rays close together, two on each side of a face, in it along a random line.
+    BaseTree tree{ "", makeRandomTree({ seed, roots, 5, 0.25, 0., false }), 5 };
+    const bool isRough = seed == 9; // random values: steep, and crossed everywhere
+    const auto field = isRough ? makeField(unitRoots(roots), tree.cells)
+                               : std::shared_ptr<const Field>(makeField(tree, 0, surfaces[seed - 7].field));
+    const Isosurface surface(field, { isRough ? 0. : surfaces[seed - 7].isovalue });
+    LevelCrossings across(*field, surface);
     std::array<SurfaceHit, 4> hits;
-    const auto cross = [&](const Face& face) {
-      const double width = std::ldexp(1., -face.cell.level);
-      Ray ray{};
-      for (int a = 0; a < 3; ++a)
-      {
-        const double off = a == face.axis ? (face.side - 0.5) * width : 0.45 * width * unit(random);
-        ray.origin[a] = centre(face.cell)[a] + off;
-        ray.direction[a] = a == face.axis ? 0. : unit(random);
-      }
-      ray.direction = normalized(ray.direction);
-      bool all = true;
-      for (int k = 0; k < 4 && all; ++k)
-      {
-        Ray beside = ray;
-        beside.origin[face.axis] += (2 * k - 3) * 1e-6 * width;
-        all = surface.intersect(beside, -0.3 * width, 0.3 * width, hits[k]) &&
-          std::abs(hits[k].t - hits[0].t) < 1e-3 * width;
-      }
-      return all;
-    };
-    std::array<std::vector<Face>, 5>
-      faces; // that the surface crosses, by how much coarser the leaf beyond is
-    TreePath root(field->octree());
-    forEachNode(root, [&](const TreePath& path) {
-      const CellId cell{ path.index(), path.depth() - field->octree().grid().paddingDepth() };
-      for (int f = 0; f < 6 && path.node().isLeaf(); ++f)
-      {
-        constexpr std::array<int, 3> stride{ 1, 3, 9 };
-        const NodeRef beside = path.around(path.depth())[13 + (f & 1 ? stride[f >> 1] : -stride[f >> 1])];
-        const int jump = path.depth() - beside.depth();
-        const Face face{ cell, f >> 1, f & 1 };
-        for (int i = 0; i < 8 && beside.isLeaf() && jump > 0 && jump <= 4; ++i)
-        {
-          if (cross(face))
-          {
-            faces[jump].push_back(face);
-            break;
-          }
-        }
-      }
-    });
-    for (int i = 0; i < 140000; ++i)
+    for (int i = 0; i < 170000; ++i)
     {
-      const int jump = 1 + i % 4;
-      if (!faces[jump].empty() && cross(faces[jump][random() % faces[jump].size()]))
+      const int levels = 1 + i % LevelCrossings::mostLevels;
+      if (across.has(levels) && across.cross(levels, hits))
       {
-        const auto change = [&](int k) { return degrees(normalOf(hits[k]), normalOf(hits[k + 1])); };
-        worst = std::max(worst, change(1) - 2. * std::max(change(0), change(2)));
-        ++ofJump[jump];
+        worst = std::max(worst, jumpOf(hits, normalOf));
+        worstOfPieces =
+          std::max(worstOfPieces, jumpOf(hits, [](const SurfaceHit& hit) { return hit.gradient; }));
+        ++crossings[levels];
       }
     }
   }
-  std::printf("crossings by jump: %d %d %d %d, largest jump %.2g degrees\n", ofJump[1], ofJump[2], ofJump[3],
-    ofJump[4], worst);
+  std::printf(
+    "crossings by difference of levels: %d %d %d %d, largest jump %.2g degrees, of the pieces %.0f\n",
+    crossings[1], crossings[2], crossings[3], crossings[4], worst, worstOfPieces);
   EXPECT_LE(worst, 0.05);
-  EXPECT_GT(ofJump[1] + ofJump[2] + ofJump[3] + ofJump[4], 100000);
-  EXPECT_GT(*std::min_element(ofJump.begin() + 1, ofJump.end()), 8000);
+  EXPECT_GT(worstOfPieces, 90.);
+  EXPECT_GT(crossings[1] + crossings[2] + crossings[3] + crossings[4], 100000);
+  EXPECT_GT(*std::min_element(crossings.begin() + 1, crossings.end()), 8000);
 }
 
 TEST(SurfaceNormals, ConvergeToThoseOfTheSurface)
 {
-  for (const Shape& shape : shapes)
+  constexpr std::array<int, 3> roots{ BaseTree::roots, BaseTree::roots, BaseTree::roots };
+  const BaseTree tree{ "", makeRandomTree({ 11, roots, 3, 0.12, 0., false }), 3 };
+  for (const AnalyticSurface& analytic : makeAnalyticSurfaces())
   {
-    const auto base = makeRandomTree({ 11, roots, 3, 0.12, 0., false });
     constexpr int steps = 3;
+    constexpr int coarsest = 2;
+    constexpr int count = 8000;
     std::array<double, steps> mean{};
     std::array<double, steps> largest{};
     for (int step = 0; step < steps; ++step)
     {
-      auto cells = refined(base, step + 2);
-      setValues(cells, shape.value);
-      const Isosurface surface(makeField(unitRoots(roots), cells), { 0. });
+      const Isosurface surface(makeField(tree, coarsest + step, analytic.field), { analytic.isovalue });
       std::mt19937 random(4);
       std::normal_distribution<double> normal;
-      int count = 0;
-      while (count < 8000)
+      for (int hits = 0; hits < count;)
       {
         const Vec3 away = normalized({ normal(random), normal(random), normal(random) });
-        const Ray ray{ { middle[0] + 4. * away[0], middle[1] + 4. * away[1], middle[2] + 4. * away[2] },
-          normalized({ 0.7 * normal(random) - 4. * away[0], 0.7 * normal(random) - 4. * away[1],
-            0.7 * normal(random) - 4. * away[2] }) };
-        SurfaceHit hit;
-        if (surface.intersect(ray, 0., 20., hit))
+        Ray ray;
+        for (int a = 0; a < 3; ++a)
         {
-          const double angle = degrees(normalOf(hit), shape.gradient(at(ray, hit.t)));
-          mean[step] += angle;
+          ray.origin[a] = 0.5 + away[a];
+          ray.direction[a] = 0.17 * normal(random) - away[a];
+        }
+        SurfaceHit hit;
+        if (surface.intersect(ray, 0., 5., hit))
+        {
+          const double angle = degreesBetween(normalOf(hit), gradientOf(analytic.field, at(ray, hit.t)));
+          mean[step] += angle / count;
           largest[step] = std::max(largest[step], angle);
-          ++count;
+          ++hits;
         }
       }
-      mean[step] /= count;
-      std::printf("%s, refined %d times: mean %.3f, largest %.2f degrees\n", shape.name, step + 2, mean[step],
-        largest[step]);
+      std::printf("%s, refined %d times: mean %.3f, largest %.2f degrees\n", analytic.name, coarsest + step,
+        mean[step], largest[step]);
     }
-    const double ofMean = 0.5 * std::log2(mean[0] / mean[steps - 1]);
-    const double ofLargest = 0.5 * std::log2(largest[0] / largest[steps - 1]);
+    const double ofMean = std::log2(mean[0] / mean[steps - 1]) / (steps - 1);
+    const double ofLargest = std::log2(largest[0] / largest[steps - 1]) / (steps - 1);
     std::printf("orders %.2f, %.2f\n", ofMean, ofLargest);
     EXPECT_GT(ofMean, 1.8);
     EXPECT_GT(ofLargest, 1.);

@@ -2,9 +2,9 @@
 
 #include "Contour/Contour.h"
 #include "Interpolation/Sampler.h"
-#include "RefinedTrees.h"
 #include "Support/Cameras.h"
 #include "Support/OneFrame.h"
+#include "Support/RefinedTrees.h"
 #include "Surface/Isosurface.h"
 
 #include <algorithm>
@@ -16,6 +16,10 @@
 
 namespace treeamr::report
 {
+
+using test::BaseTree;
+using test::makeBaseTrees;
+using test::makeField;
 
 namespace
 {

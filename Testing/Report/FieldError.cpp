@@ -4,8 +4,8 @@
 #include "Interpolation/Sampler.h"
 #include "Meter.h"
 #include "Octree/TreePath.h"
-#include "RefinedTrees.h"
 #include "Support/Cameras.h"
+#include "Support/RefinedTrees.h"
 #include "Surface/SurfaceFrame.h"
 
 #include <algorithm>
@@ -19,6 +19,12 @@
 
 namespace treeamr::report
 {
+
+using test::AnalyticField;
+using test::BaseTree;
+using test::gradientOf;
+using test::makeBaseTrees;
+using test::makeField;
 
 namespace
 {

@@ -3,9 +3,10 @@
 #include "Contour/Contour.h"
 #include "Convergence.h"
 #include "Meter.h"
-#include "RefinedTrees.h"
 #include "Scene.h"
 #include "Support/Cameras.h"
+#include "Support/LevelCrossings.h"
+#include "Support/RefinedTrees.h"
 #include "Surface/Isosurface.h"
 #include "Surface/SurfaceFrame.h"
 
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <random>
 #include <span>
 #include <utility>
@@ -24,35 +24,9 @@ namespace treeamr::report
 namespace
 {
 
-using test::operator-;
+using namespace test;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-/// Where the field, a signed distance from it less an offset, has the isovalue.
-struct Surface
-{
-  const char* name;
-  AnalyticField field;
-  double isovalue;
-};
-
-/// Off the cells' planes, and the width of a root refined once away from the domain's end: no missing cell
-/// takes part.
-std::vector<Surface> makeSurfaces()
-{
-  constexpr Vec3 centre{ 0.51, 0.49, 0.505 };
-  const auto sphere = [=](const Vec3& p) {
-    const Vec3 d = p - centre;
-    return std::sqrt(dot(d, d));
-  };
-  const auto torus = [=](const Vec3& p) {
-    const Vec3 axis = normalized({ 1., 2., 3. });
-    const Vec3 d = p - centre;
-    const Vec3 across = cross(d, axis);
-    return std::hypot(std::sqrt(dot(across, across)) - 0.22, dot(d, axis));
-  };
-  return { { "sphere", sphere, 0.34 }, { "torus", torus, 0.12 } };
-}
 
 struct SurfaceErrors
 {
@@ -60,12 +34,11 @@ struct SurfaceErrors
   ErrorNorms angle; // degrees
 
   /// normal: of any length, towards higher values.
-  void add(const Surface& surface, const Vec3& p, const Vec3& normal)
+  void add(const AnalyticSurface& surface, const Vec3& p, const Vec3& normal)
   {
     const Vec3 exact = gradientOf(surface.field, p);
-    const Vec3 sine = cross(normal, exact);
     distance.add(std::abs(surface.field(p) - surface.isovalue));
-    angle.add(std::atan2(std::sqrt(dot(sine, sine)), dot(normal, exact)) * 180. / std::numbers::pi);
+    angle.add(degreesBetween(normal, exact));
   }
 };
 
@@ -79,9 +52,29 @@ struct Result
   double cpuFirstFrame = none;
   double triangles = none;
   double openEdges = none;
+  /// Largest turn where levels meet, in degrees, and that of the trilinear pieces' own gradients.
+  double jump = none;
+  double jumpOfPieces = none;
 };
 
-Result measureImplicit(const std::shared_ptr<const Field>& field, const Surface& surface)
+/// Over random crossings of faces where levels meet; none where there are no such.
+void measureJumps(const Field& field, const Isosurface& isosurface, Result& result)
+{
+  LevelCrossings across(field, isosurface);
+  std::array<SurfaceHit, 4> hits;
+  for (int i = 0; i < 100000; ++i)
+  {
+    const int levels = 1 + i % LevelCrossings::mostLevels;
+    if (across.has(levels) && across.cross(levels, hits))
+    {
+      result.jump = std::fmax(result.jump, jumpOf(hits, normalOf));
+      result.jumpOfPieces =
+        std::fmax(result.jumpOfPieces, jumpOf(hits, [](const SurfaceHit& hit) { return hit.gradient; }));
+    }
+  }
+}
+
+Result measureImplicit(const std::shared_ptr<const Field>& field, const AnalyticSurface& surface)
 {
   Result result{ "implicit", {}, 0. };
   const Camera camera = bench::makeCamera();
@@ -103,11 +96,11 @@ Result measureImplicit(const std::shared_ptr<const Field>& field, const Surface&
       const Ray ray = camera.ray(x, y);
       for (std::size_t h = image.first[pixel]; h < image.first[pixel + 1]; ++h)
       {
-        const auto& [nx, ny, nz] = image.hits[h].normal;
-        result.errors.add(surface, pointAt(ray, image.hits[h].t), { nx, ny, nz });
+        result.errors.add(surface, pointAt(ray, image.hits[h].t), normalOf(image.hits[h]));
       }
     }
   }
+  measureJumps(*field, *isosurface, result);
   return result;
 }
 
@@ -167,7 +160,7 @@ void forEvenPoints(const ContourMesh& mesh, std::size_t count, const F& f)
   }
 }
 
-std::vector<Result> measureContour(const Field& field, const Surface& surface)
+std::vector<Result> measureContour(const Field& field, const AnalyticSurface& surface)
 {
   ContourMesh mesh;
   const auto cpu = [&](bool gradients) {
@@ -235,21 +228,26 @@ std::vector<bench::Figure> errorFigures(
     { "distance_mean_h", distance.mean() / h, "mean/h", 5 },
     { "angle_max_degrees", angle.max(), "max degrees", 3 },
     { "angle_mean_degrees", angle.mean(), "mean degrees", 4 },
+    { "jump_degrees", result.jump, "jump", 5 },
+    { "jump_of_pieces_degrees", result.jumpOfPieces, "of pieces", 1 },
     { "triangles", result.triangles, "triangles" },
     { "open_edges", result.openEdges, "open edges" },
   };
 }
 
+/// At which the largest cells of all trees are small beside the surfaces: errors fall with their order from there on.
+constexpr int coarsestRefinement = 2;
+
 /// Also adds rows of orders, which are a table of its own.
-void measureSurface(const BaseTree& tree, const Surface& surface, int finestRefinement, bench::Report& report,
-  std::vector<bench::Row>& orderRows)
+void measureSurface(const BaseTree& tree, const AnalyticSurface& surface, int finestRefinement,
+  bench::Report& report, std::vector<bench::Row>& orderRows)
 {
   const auto labels = [&](const std::string& method) {
     return std::vector<std::pair<const char*, std::string>>{ { "surface", surface.name },
       { "tree", tree.name }, { "method", method } };
   };
   std::map<std::string, History> histories;
-  for (int refinement = 1; refinement <= finestRefinement; ++refinement)
+  for (int refinement = coarsestRefinement; refinement <= finestRefinement; ++refinement)
   {
     const auto field = makeField(tree, refinement, surface.field);
     std::vector<Result> results = measureContour(*field, surface);
@@ -279,13 +277,13 @@ void measureSurface(const BaseTree& tree, const Surface& surface, int finestRefi
 
 void measureIsosurfaceError(const Options& options, bench::Report& errors, bench::Report& orders)
 {
-  const std::vector<Surface> surfaces = makeSurfaces();
+  const std::vector<AnalyticSurface> surfaces = makeAnalyticSurfaces();
   std::vector<bench::Row> orderRows;
   for (const BaseTree& tree : makeBaseTrees())
   {
-    for (const Surface& surface : std::span(surfaces).first(options.brief ? 1 : surfaces.size()))
+    for (const AnalyticSurface& surface : std::span(surfaces).first(options.brief ? 1 : surfaces.size()))
     {
-      measureSurface(tree, surface, options.brief ? 2 : 3, errors, orderRows);
+      measureSurface(tree, surface, coarsestRefinement + (options.brief ? 1 : 2), errors, orderRows);
     }
   }
   for (bench::Row& row : orderRows)

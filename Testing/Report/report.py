@@ -109,8 +109,15 @@ def bounds(report):
     for column in ("order_distance_max", "order_distance_mean"):
         yield from each(report, "isosurface_orders", column, 1.9, 2.1, method="implicit")
         yield from each(report, "isosurface_orders", column, 1.8, 2.1, method="contour-flat")
-    yield from each(report, "isosurface_orders", "order_angle_mean", 1.7, 2.2, method="implicit")
-    yield from each(report, "isosurface", "angle_mean_degrees", 0, 0.11, method="implicit", dataset="one-level-2")
+    yield from each(report, "isosurface_orders", "order_angle_max", 0.7, 2.2, method="implicit")
+    for method in ("implicit", "contour-smooth"):
+        yield from each(report, "isosurface_orders", "order_angle_mean", 1.7, 2.2, method=method)
+        yield from each(report, "isosurface", "angle_mean_degrees", 0, 0.09, method=method, dataset="one-level-2")
+        yield from each(report, "isosurface", "angle_mean_degrees", 0, 0.45, method=method, dataset="four-levels-2")
+        yield from each(report, "isosurface", "angle_max_degrees", 0, 14, method=method, dataset="four-levels-2")
+    for tree in ("one-level", "four-levels"):
+        yield from each(report, "isosurface", "jump_degrees", 0, 0.05, method="implicit", tree=tree)
+        yield from each(report, "isosurface", "jump_of_pieces_degrees", 0.5, 180, method="implicit", tree=tree)
     yield from each(report, "isosurface", "distance_max", 0, 1.2e-3, dataset="one-level-2")
     yield from each(report, "isosurface", "distance_max", 0, 4.5e-3, dataset="four-levels-2")
     for method in ("contour-vertices", "contour-flat", "contour-smooth"):
@@ -327,10 +334,14 @@ def isosurface_section(report):
     angles = {(row["surface"], row["tree"], row["method"]): row["angle_mean_degrees"] for row in finest}
     ratios = [angles[surface, tree, "implicit"] / angles[surface, tree, "contour-smooth"]
               for surface in surfaces for tree in trees]
-    text += (f"<p>Normals: the ray tracer's interpolate slopes across whole leaves, of second order in the mean. On the "
-             f"finest trees they are {min(ratios):.2f} to {max(ratios):.2f} times as far from the truth in the mean as "
-             "the contour's interpolated ones, which average the pieces at each vertex. Largest angles are of first order "
-             "for all where cells of different size meet.</p>")
+    jumps = [row for row in own if row.get("jump_degrees") is not None]
+    text += (f"<p>Normals are interpolated between vertex gradients, for rays and for the contour's points alike: of second "
+             f"order in the mean, and in the largest angle of first order where cells of different size meet. On the finest "
+             f"trees the ray tracer's are {min(ratios):.2f} to {max(ratios):.2f} times as far from the truth in the mean as "
+             f"the contour's interpolated ones. Over random crossings of faces where levels meet, up to four levels apart, "
+             f"they turn by {max(row['jump_degrees'] for row in jumps):.1e} degrees at most beyond twice the change of the "
+             f"step itself; the gradients of the trilinear pieces turn by up to "
+             f"{max(row['jump_of_pieces_degrees'] for row in jumps):.0f}.</p>")
     text += "<h3>Fitted orders</h3>" + table([
         ("surface", "surface", None), ("tree", "tree", None), ("method", "method", None),
         ("largest distance", "order_distance_max", ".2f"), ("mean distance", "order_distance_mean", ".2f"),
@@ -341,7 +352,8 @@ def isosurface_section(report):
         ("CPU-s build", "cpu_s_build", ".4f"), ("CPU-s a frame", "cpu_s_frame", ".3f"),
         ("largest distance", "distance_max", ".1e"), ("in cells", "distance_max_h", ".3f"),
         ("mean", "distance_mean", ".1e"), ("largest angle in degrees", "angle_max_degrees", ".2f"),
-        ("mean", "angle_mean_degrees", ".3f"), ("triangles", "triangles", ",.0f"),
+        ("mean", "angle_mean_degrees", ".3f"), ("largest jump of normals", "jump_degrees", ".1e"),
+        ("of the pieces' gradients", "jump_of_pieces_degrees", ".1f"), ("triangles", "triangles", ",.0f"),
         ("open edges", "open_edges", ".0f")], finest)
     return text
 

@@ -1,10 +1,12 @@
-#include "RefinedTrees.h"
+#include "Support/RefinedTrees.h"
 
+#include "Support/Cameras.h"
 #include "Support/RandomTrees.h"
 
 #include <cmath>
+#include <numbers>
 
-namespace treeamr::report
+namespace treeamr::test
 {
 
 Vec3 gradientOf(const AnalyticField& field, const Vec3& p)
@@ -22,6 +24,28 @@ Vec3 gradientOf(const AnalyticField& field, const Vec3& p)
   return gradient;
 }
 
+double degreesBetween(const Vec3& a, const Vec3& b)
+{
+  const Vec3 sine = cross(a, b);
+  return std::atan2(std::sqrt(dot(sine, sine)), dot(a, b)) * 180. / std::numbers::pi;
+}
+
+std::vector<AnalyticSurface> makeAnalyticSurfaces()
+{
+  constexpr Vec3 centre{ 0.51, 0.49, 0.505 };
+  const auto sphere = [=](const Vec3& p) {
+    const Vec3 d = p - centre;
+    return std::sqrt(dot(d, d));
+  };
+  const auto torus = [=](const Vec3& p) {
+    const Vec3 axis = normalized({ 1., 2., 3. });
+    const Vec3 d = p - centre;
+    const Vec3 across = cross(d, axis);
+    return std::hypot(std::sqrt(dot(across, across)) - 0.22, dot(d, axis));
+  };
+  return { { "sphere", sphere, 0.34 }, { "torus", torus, 0.12 } };
+}
+
 double BaseTree::finestWidth(int refinement) const
 {
   return std::ldexp(1. / roots, -(levels + refinement));
@@ -31,7 +55,7 @@ std::vector<BaseTree> makeBaseTrees()
 {
   constexpr std::array<int, 3> roots{ BaseTree::roots, BaseTree::roots, BaseTree::roots };
   const auto make = [&](const char* name, int levels, double refine, bool balanced) {
-    return BaseTree{ name, test::makeRandomTree({ 11, roots, levels, refine, 0., balanced }), levels };
+    return BaseTree{ name, makeRandomTree({ 11, roots, levels, refine, 0., balanced }), levels };
   };
   return { make("uniform", 1, 1., false), make("one-level", 3, 0.2, true),
     make("four-levels", 4, 0.25, false) };
@@ -64,4 +88,4 @@ std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const Ana
   return std::make_shared<Field>(built.octree, std::move(built.values));
 }
 
-} // namespace treeamr::report
+} // namespace treeamr::test

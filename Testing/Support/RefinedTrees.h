@@ -11,13 +11,28 @@
 #include <string>
 #include <vector>
 
-namespace treeamr::report
+namespace treeamr::test
 {
 
 using AnalyticField = std::function<double(const Vec3&)>;
 
 /// By central differences.
 Vec3 gradientOf(const AnalyticField& field, const Vec3& p);
+
+/// Between the directions of two vectors, in degrees.
+double degreesBetween(const Vec3& a, const Vec3& b);
+
+/// Where the field, a signed distance from it less an offset, has the isovalue.
+struct AnalyticSurface
+{
+  const char* name;
+  AnalyticField field;
+  double isovalue;
+};
+
+/// A sphere and a torus, off the cells' planes, and the width of a root refined once away from the domain's end: no
+/// missing cell takes part.
+std::vector<AnalyticSurface> makeAnalyticSurfaces();
 
 /// Of 4 x 4 x 4 roots.
 struct BaseTree
@@ -38,4 +53,4 @@ std::vector<BaseTree> makeBaseTrees();
 /// Every leaf refined so many times; values are those at the cells' centres.
 std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const AnalyticField& values);
 
-} // namespace treeamr::report
+} // namespace treeamr::test
