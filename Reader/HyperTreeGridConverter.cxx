@@ -169,6 +169,21 @@ private:
   /// The field itself where floats hold its digits, else the same less an offset.
   static Field withOffset(Field field, const HyperTreeGridTopology& topology, const CellValues& values)
   {
+    if (const Range range = field.range(); range.min == range.max)
+    {
+      // One value, of which float may have all digits.
+      std::atomic<bool> rounded{ false };
+      topology.forEachLeaf([&](vtkIdType index) {
+        if (values.less(index, range.min) != 0.)
+        {
+          rounded.store(true, std::memory_order_relaxed);
+        }
+      });
+      if (!rounded)
+      {
+        return field;
+      }
+    }
     // Floats tell of the offset what they have digits for, 24 of the 53 or 64 bits at a time.
     constexpr int rounds = 3;
     for (int i = 0; i < rounds; ++i)
@@ -182,14 +197,6 @@ private:
       const std::shared_ptr<const Octree> octree = field.sharedOctree();
       const RelativeValues relative(values, offset);
       field = Field(octree, gatherLeafValues(*octree, HyperTreeGridSource(topology, relative)), offset);
-    }
-    // One value, of which float has all digits: that is what it was.
-    const double offset = field.offset();
-    const Range range = field.range();
-    if (offset != 0. && range.min == 0.f && range.max == 0.f && static_cast<float>(offset) == offset)
-    {
-      LargeVector<float> same(field.leafValues().size(), static_cast<float>(offset));
-      field = Field(field.sharedOctree(), std::move(same));
     }
     return field;
   }

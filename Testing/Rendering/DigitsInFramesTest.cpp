@@ -181,6 +181,37 @@ TEST_F(DigitsInFramesTest, isosurfacesByAnotherArrayAndTheirTriangles)
   }
 }
 
+TEST_F(DigitsInFramesTest, colorsThatAreTheValues)
+{
+  const auto grid = planeGrid();
+  vtkNew<vtkDoubleArray> rgb;
+  rgb->SetName("rgb");
+  rgb->SetNumberOfComponents(3);
+  rgb->SetNumberOfTuples(grid->GetCellData()->GetArray("x")->GetNumberOfTuples());
+  const Color color{ 0.2, 0.7, 0.4 }; // each one value, which float has not
+  for (int c = 0; c < 3; ++c)
+  {
+    rgb->FillComponent(c, color[c]);
+  }
+  grid->GetCellData()->AddArray(rgb);
+  Scene scene;
+  scene.useFloatTarget();
+  vtkActor* actor = scene.addIsosurface(grid, "plane", 0.);
+  actor->GetProperty()->LightingOff();
+  vtkTreeAMRIsosurfaceMapper* mapper = Scene::mapperOf(actor);
+  mapper->ScalarVisibilityOn();
+  mapper->SetScalarModeToUseCellFieldData();
+  mapper->SelectColorArray("rgb");
+  mapper->SetColorModeToDirectScalars();
+  scene.setCamera();
+  const Frame frame = scene.render();
+  const auto& pixel = frame[static_cast<std::size_t>(scene.height() / 2) * scene.width() + scene.width() / 2];
+  for (int c = 0; c < 3; ++c)
+  {
+    EXPECT_NEAR(pixel[c], color[c], 1. / 255.);
+  }
+}
+
 TEST_F(DigitsInFramesTest, aRangeBelowWhatDoublesHoldIsSaidOnce)
 {
   const auto grid = gridWith({ 0x1p52, 100. });
