@@ -254,6 +254,13 @@ void GradientEvaluator::gather(int depth, Level& level) const noexcept
       level.cellValue[cell] = child.isNone() ? 0. : field_.relative(child);
     }
   }
+  // The node's own children are the cells 2 and 3 along each axis.
+  constexpr std::uint64_t own = std::uint64_t(0b1100001100) << 2 * cellStride[1];
+  level.drawn = {};
+  for (const int z : { 2, 3 })
+  {
+    level.drawn[z] = own & ~level.special[z];
+  }
 }
 
 /// Relative to the first point, so that no digits are lost far from the origin.
@@ -280,6 +287,7 @@ GradientEvaluator::Level& GradientEvaluator::levelAt(int depth) noexcept
   if (level.node != node)
   {
     level.node = node;
+    level.vertices = nullptr;
     this->gather(depth, level);
     this->measure(depth, level);
     level.known.reset();
@@ -340,11 +348,18 @@ GradientEvaluator::Value GradientEvaluator::valueAt(int depth, Level& level, int
     return { withAxes(place.axes, [&]<unsigned Axes>() noexcept { return meanAround<Axes>(first); }), true,
       allAxes };
   }
+  if (touches(level.coarse, place))
+  {
+    level.known[point] = true;
+    return level.value[point] = this->betweenCoarser(depth, point); // which leaves this level as it is
+  }
+  if (level.vertices && touches(level.drawn, place))
+  {
+    return { (*level.vertices)[vertexOfPoint(point)], true, allAxes };
+  }
   level.known[point] = true;
-  return level.value[point] = touches(level.coarse, place)
-    ? this->betweenCoarser(depth, point) // asks coarser levels alone: this one keeps its node
-    : withAxes(place.axes,
-        [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
+  return level.value[point] = withAxes(place.axes,
+           [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
 }
 
 /// Of one that does not hang.
@@ -555,47 +570,12 @@ double GradientEvaluator::slopeBesideMissing(int depth, Level& level, int axis, 
   return low < high ? (along[high].value - along[low].value) / (at[high] - at[low]) : 0.;
 }
 
-/// Takes the values of the vertices of drawn children, where no cell is missing: of those that hang on coarser leaves,
-/// cells farther away may be.
-void GradientEvaluator::take(
-  const std::array<double, block::vertexCount>& values, Level& level) const noexcept
-{
-  for (int octant = 0; octant < 8 && level.isComplete; ++octant)
-  {
-    const int cell = 2 * cornerOffset(7, cellStride) + cornerOffset(octant, cellStride);
-    if (level.special[cell / 36] >> cell % 36 & 1)
-    {
-      continue;
-    }
-    const int firstVertex = 2 * cornerOffset(octant, block::vertexStride);
-    const int firstPoint = 2 * cornerOffset(7, pointStride) + 2 * cornerOffset(octant, pointStride);
-    for (int row = 0; row < 9; ++row)
-    {
-      const int point = firstPoint + pointStride[1] * (row % 3) + pointStride[2] * (row / 3);
-      const int vertex =
-        firstVertex + block::vertexStride[1] * (row % 3) + block::vertexStride[2] * (row / 3);
-      for (int x = 0; x < 3; ++x)
-      {
-        if (touches(level.coarse, pointPlaces[point + x]))
-        {
-          continue;
-        }
-        level.value[point + x] = { values[vertex + x], true, allAxes };
-        level.known[point + x] = true;
-      }
-    }
-  }
-}
-
 void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
-  BlockGradients& gradients, const std::array<double, block::vertexCount>* values) noexcept
+  BlockGradients& gradients, const Values* values) noexcept
 {
   this->moveTo(path, cells == BlockCells::Means ? path.depth + 1 : Octree::maxDepth + 1);
   Level& level = this->levelAt(path.depth);
-  if (values)
-  {
-    this->take(*values, level);
-  }
+  level.vertices = level.isComplete ? values : nullptr;
   for (int z = 0; z < block::verticesPerEdge; ++z)
   {
     for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
@@ -605,6 +585,7 @@ void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const B
       gradients[bit + block::vertexStride[2] * z] = this->gradientAt(path.depth, level, point);
     }
   }
+  level.vertices = nullptr; // the caller's
 }
 
 BlockVertices verticesOfOctants(std::uint64_t octants) noexcept

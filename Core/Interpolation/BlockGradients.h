@@ -48,12 +48,15 @@ BlockVertices verticesOfOctants(std::uint64_t octants) noexcept;
 class GradientEvaluator
 {
 public:
+  /// As BlockEvaluator::computeUnrounded() gives them.
+  using Values = std::array<double, block::vertexCount>;
+
   explicit GradientEvaluator(const Field& field);
 
   /// At some vertices, each of a drawn child, of the inner node at the path's end. With means, every node of the
   /// children's size is taken as a leaf. values: the same block's, which save time; null: not at hand.
   void compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
-    BlockGradients& gradients, const std::array<double, block::vertexCount>* values = nullptr) noexcept;
+    BlockGradients& gradients, const Values* values = nullptr) noexcept;
 
 private:
   /// In and around an inner node lie 6 x 6 x 6 cells of its children's size, from its lower corner -2 to 3 along each
@@ -78,12 +81,14 @@ private:
     std::uint64_t node = noNode;
     CellMask coarse;                                     // parts of coarser leaves
     CellMask special;                                    // and what else is no leaf of this size
-    bool isComplete;                                     // none is missing
+    CellMask drawn;                                      // the node's children that are leaves
+    bool isComplete;                                     // no cell is missing
+    const Values* vertices;                              // of the drawn children; null: not at hand
     std::array<double, cellCount> cellValue;             // 0 of coarse and missing ones
     std::array<std::uint64_t, cellCount> inner;          // of special cells; noNode: it is missing or coarse
     std::array<std::array<double, pointsPerEdge>, 3> at; // world coordinates of the points, from the first on
     std::bitset<pointCount> known;
-    std::array<Value, pointCount> value; // of points beside special cells, and of those that were given
+    std::array<Value, pointCount> value; // of points beside special cells
     std::bitset<block::vertexCount> gradientKnown;
     BlockGradients gradient;
   };
@@ -103,7 +108,6 @@ private:
   int forCoarser(int depth, int point, const F& f) noexcept;
   Vec3 gradientAt(int depth, Level& level, int vertex) noexcept;
   double slopeAt(int depth, Level& level, int axis, int point) noexcept;
-  void take(const std::array<double, block::vertexCount>& values, Level& level) const noexcept;
   double slopeBesideMissing(int depth, Level& level, int axis, int point) noexcept;
   double rootWidth(int axis, Coord root) const noexcept;
 

@@ -299,7 +299,8 @@ void BlockIntersection::addPlace(
   tile.placed[places.count] = { hit, ray };
   if (places.withNormals)
   {
-    places.addNormal(gradients_.record(block.number, *block.record), hit.octant);
+    places.addNormal(
+      gradients_.record(block.number, *block.record, std::uint64_t(1) << hit.octant), hit.octant);
   }
   places.add(*block.record, block.planes, hit.octant, place);
   if (places.count == HitPlaces::most)
@@ -340,10 +341,40 @@ void BlockIntersection::takePlaces(RayTile& tile) const
   tile.places.count = 0;
 }
 
+void BlockIntersection::prepareGradients(const RayTile& tile) const
+{
+  std::array<const SurfaceHit*, RayTile::most> hits; // whose gradients are missing
+  int count = 0;
+  for (int number = 0; number < tile.count; ++number)
+  {
+    const SurfaceHit& hit = tile.hits[number].nearest;
+    if (tile.hits[number].any() && blocks_.isKept(hit.block) && gradients_.lacks(hit.block, hit.octant))
+    {
+      hits[count++] = &hit;
+    }
+  }
+  std::sort(hits.begin(), hits.begin() + count,
+    [](const SurfaceHit* a, const SurfaceHit* b) { return a->block < b->block; });
+  for (int i = 0; i < count;)
+  {
+    const std::uint32_t block = hits[i]->block;
+    std::uint64_t octants = 0;
+    for (; i < count && hits[i]->block == block; ++i)
+    {
+      octants |= std::uint64_t(1) << hits[i]->octant;
+    }
+    gradients_.record(block, blocks_.record(block), octants);
+  }
+}
+
 void BlockIntersection::finish(RayTile& tile) const
 {
   takeCandidates(tile);
   tile.candidates.blockCount = 0;
+  if (tile.places.withNormals)
+  {
+    prepareGradients(tile);
+  }
   for (int number = 0; number < tile.count; ++number)
   {
     const RayHits& hits = tile.hits[number];
@@ -366,7 +397,8 @@ void BlockIntersection::setGradients(const CrossedBlock& block, const Vec3& plac
   {
     hit.gradient[a] /= space_.width(a);
   }
-  const Vec3 normal = normalAt(gradients_.record(block.number, *block.record), hit.octant, place);
+  const Vec3 normal = normalAt(
+    gradients_.record(block.number, *block.record, std::uint64_t(1) << hit.octant), hit.octant, place);
   std::copy(normal.begin(), normal.end(), hit.normal.begin());
 }
 

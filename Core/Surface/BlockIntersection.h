@@ -151,6 +151,8 @@ private:
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;
   void addPlace(
     RayTile& tile, int ray, const CrossedBlock& block, const Vec3& place, const SurfaceHit& hit) const;
+  /// Of the nearest hits, block by block.
+  void prepareGradients(const RayTile& tile) const;
   /// Makes hits of the places that there are.
   void takePlaces(RayTile& tile) const;
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <new>
 
 namespace treeamr
 {
@@ -31,45 +33,64 @@ SurfaceGradients::Worker& SurfaceGradients::worker() const
   return *worker;
 }
 
-const GradientRecord& SurfaceGradients::record(std::uint32_t block, const SurfaceRecord& values) const
+bool SurfaceGradients::lacks(std::uint32_t block, int octant) const
 {
   std::call_once(prepared_, [this] { this->prepare(); });
   const std::uint32_t number = numbers_[block].load(std::memory_order_acquire);
+  return number == 0
+    ? !pool_->overflowed()
+    : !(pool_->chunkOf(number).records[number % Chunk::size].ready(std::memory_order_relaxed) >> octant & 1);
+}
+
+const GradientRecord& SurfaceGradients::record(
+  std::uint32_t block, const SurfaceRecord& values, std::uint64_t octants) const
+{
+  std::call_once(prepared_, [this] { this->prepare(); });
+  const auto with = [&](const GradientRecord& record) -> const GradientRecord& {
+    const std::uint64_t missing = octants & ~record.ready(std::memory_order_acquire);
+    if (missing != 0)
+    {
+      this->add(missing, block, values, this->worker(), record);
+    }
+    return record;
+  };
+  const std::uint32_t number = numbers_[block].load(std::memory_order_acquire);
   if (number != 0)
   {
-    return pool_->chunkOf(number).records[number % Chunk::size];
+    return with(pool_->chunkOf(number).records[number % Chunk::size]);
   }
   Worker& own = this->worker();
   if (own.unkeptBlock == block)
   {
-    return own.unkept;
+    return with(own.unkept);
   }
   Chunk* chunk = own.writer.room();
   if (!chunk)
   {
-    this->evaluate(blocks_.all()[block], values, own, own.unkept);
     own.unkeptBlock = block;
     unkept_.fetch_add(1, std::memory_order_relaxed);
-    return own.unkept;
+    return with(*new (&own.unkept) GradientRecord());
   }
-  GradientRecord& record = chunk->records[own.writer.index()];
-  this->evaluate(blocks_.all()[block], values, own, record);
+  const GradientRecord& record = with(*new (&chunk->records[own.writer.index()]) GradientRecord());
   numbers_[block].store(own.writer.keep(), std::memory_order_release);
   return record;
 }
 
-void SurfaceGradients::evaluate(const SurfaceBlock& block, const SurfaceRecord& values, Worker& worker,
-  GradientRecord& record) const noexcept
+void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const SurfaceRecord& values,
+  Worker& worker, const GradientRecord& record) const noexcept
 {
-  if (block.depth() < 0) // a single cell
+  const SurfaceBlock& block = blocks_.all()[number];
+  const BlockVertices vertices = verticesOfOctants(octants);
+  if (block.depth() < 0)
   {
-    record.gradients = {};
-    return;
+    worker.gradients = {}; // of a single cell
   }
-  const BlockVertices vertices = verticesOfOctants(values.active);
-  const BlockPath path = blocks_.pathTo(block);
-  worker.evaluator.compute(
-    path, blocks_.cellsOf(block, path.node[path.depth]), vertices, worker.gradients, &values.values);
+  else
+  {
+    const BlockPath path = blocks_.pathTo(block);
+    worker.evaluator.compute(
+      path, blocks_.cellsOf(block, path.node[path.depth]), vertices, worker.gradients, &values.values);
+  }
   const auto forAll = [&](const auto& f) {
     for (int z = 0; z < block::verticesPerEdge; ++z)
     {
@@ -79,22 +100,30 @@ void SurfaceGradients::evaluate(const SurfaceBlock& block, const SurfaceRecord& 
       }
     }
   };
-  double largest = 0.;
-  forAll([&](int v) {
-    for (const double slope : worker.gradients[v])
-    {
-      largest = std::max(largest, std::abs(slope));
-    }
-  });
-  const int exponent = largest > 0. && std::isfinite(largest) ? -std::ilogb(largest) : 0;
+  // The first octants, which one thread adds before others see the record, decide.
+  if (record.ready(std::memory_order_relaxed) == 0)
+  {
+    double largest = 0.;
+    forAll([&](int v) {
+      for (const double slope : worker.gradients[v])
+      {
+        largest = std::max(largest, std::abs(slope));
+      }
+    });
+    record.exponent = largest > 0. && std::isfinite(largest) ? -std::ilogb(largest) : 0;
+  }
   // In two factors: the reciprocal of a denormal number is none.
-  const std::array<double, 2> scale{ std::ldexp(1., exponent / 2), std::ldexp(1., exponent - exponent / 2) };
+  const std::array<double, 2> scale{ std::ldexp(1., record.exponent / 2),
+    std::ldexp(1., record.exponent - record.exponent / 2) };
+  constexpr double most = std::numeric_limits<float>::max();
   forAll([&](int v) {
     for (int a = 0; a < 3; ++a)
     {
-      record.gradients[v][a] = static_cast<float>(worker.gradients[v][a] * scale[0] * scale[1]);
+      const double scaled = std::clamp(worker.gradients[v][a] * scale[0] * scale[1], -most, most);
+      std::atomic_ref(record.gradients[v][a]).store(static_cast<float>(scaled), std::memory_order_relaxed);
     }
   });
+  std::atomic_ref(record.octants).fetch_or(octants, std::memory_order_release);
 }
 
 void SurfaceGradients::startFrame() const

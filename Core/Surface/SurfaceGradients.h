@@ -11,11 +11,24 @@
 namespace treeamr
 {
 
-/// At the vertices of a block's active octants, in the order of BlockValues and times a power of two of the block's own:
-/// single precision has their digits then, whatever the size of values and cells.
+/// At the vertices of some of a block's octants, in the order of BlockValues and times a power of two of the block's own:
+/// single precision has their digits then, whatever the size of values and cells. Several threads may add octants
+/// while others read those that are ready: a vertex that two of them add gets the same bits.
 struct alignas(64) GradientRecord
 {
-  std::array<std::array<float, 3>, block::vertexCount> gradients;
+  float at(int vertex, int axis) const noexcept
+  {
+    return std::atomic_ref(gradients[vertex][axis]).load(std::memory_order_relaxed);
+  }
+  /// Octants x + 4 y + 16 z.
+  std::uint64_t ready(std::memory_order order) const noexcept { return std::atomic_ref(octants).load(order); }
+
+private:
+  friend class SurfaceGradients;
+
+  mutable std::array<std::array<float, 3>, block::vertexCount> gradients;
+  mutable std::uint64_t octants;
+  mutable int exponent; // set before other threads see the record
 };
 
 /// Safe from several threads.
@@ -24,8 +37,10 @@ class SurfaceGradients
 public:
   SurfaceGradients(const SurfaceBlocks& blocks, std::size_t budgetBytes);
 
-  /// values: the block's. Valid until the thread's next call, for ever when it is kept.
-  const GradientRecord& record(std::uint32_t block, const SurfaceRecord& values) const;
+  /// With some octants, active ones. values: the block's. Valid until the thread's next call, for ever when it is kept.
+  const GradientRecord& record(std::uint32_t block, const SurfaceRecord& values, std::uint64_t octants) const;
+  /// Whether an octant is not there yet, and would be kept: many of a block together cost less.
+  bool lacks(std::uint32_t block, int octant) const;
 
   /// As SurfaceBlocks::startFrame().
   void startFrame() const;
@@ -52,15 +67,15 @@ private:
 
   void prepare() const;
   Worker& worker() const;
-  void evaluate(const SurfaceBlock& block, const SurfaceRecord& values, Worker& worker,
-    GradientRecord& record) const noexcept;
+  void add(std::uint64_t octants, std::uint32_t block, const SurfaceRecord& values, Worker& worker,
+    const GradientRecord& record) const noexcept;
 
   const SurfaceBlocks& blocks_;
   std::size_t budgetBytes_;
   mutable std::once_flag prepared_;
   mutable Numbers numbers_;
   mutable std::optional<ChunkPool<Chunk>> pool_;   // once prepared
-  mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records computed since startFrame()
+  mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records begun since startFrame()
   mutable tbb::enumerable_thread_specific<std::unique_ptr<Worker>> workers_;
 };
 

@@ -78,10 +78,10 @@ void HitPlaces::addNormal(const GradientRecord& record, int octant) noexcept
 {
   for (int c = 0; c < 8; ++c)
   {
-    const auto& gradient = record.gradients[firstVertex(octant) + cornerOffset(c, block::vertexStride)];
+    const int vertex = firstVertex(octant) + cornerOffset(c, block::vertexStride);
     for (int a = 0; a < 3; ++a)
     {
-      vertexGradient[a][c][count] = gradient[a];
+      vertexGradient[a][c][count] = record.at(vertex, a);
     }
   }
 }
