@@ -20,6 +20,7 @@ void SurfaceGradients::prepare() const
   Numbers numbers(blocks_.all().size());
   pool_.emplace(numbers.size(), budgetBytes_ - std::min(budgetBytes_, numbers.size() * sizeof(numbers[0])));
   numbers_ = std::move(numbers);
+  isPrepared_.store(true, std::memory_order_release);
 }
 
 SurfaceGradients::Worker& SurfaceGradients::worker() const
@@ -33,19 +34,10 @@ SurfaceGradients::Worker& SurfaceGradients::worker() const
   return *worker;
 }
 
-bool SurfaceGradients::lacks(std::uint32_t block, int octant) const
-{
-  std::call_once(prepared_, [this] { this->prepare(); });
-  const std::uint32_t number = numbers_[block].load(std::memory_order_acquire);
-  return number == 0
-    ? !pool_->overflowed()
-    : !(pool_->chunkOf(number).records[number % Chunk::size].ready(std::memory_order_relaxed) >> octant & 1);
-}
-
-const GradientRecord& SurfaceGradients::record(
+const GradientRecord& SurfaceGradients::complete(
   std::uint32_t block, const SurfaceRecord& values, std::uint64_t octants) const
 {
-  std::call_once(prepared_, [this] { this->prepare(); });
+  std::call_once(prepares_, [this] { this->prepare(); });
   const auto with = [&](const GradientRecord& record) -> const GradientRecord& {
     const std::uint64_t missing = octants & ~record.ready(std::memory_order_acquire);
     if (missing != 0)
@@ -54,10 +46,9 @@ const GradientRecord& SurfaceGradients::record(
     }
     return record;
   };
-  const std::uint32_t number = numbers_[block].load(std::memory_order_acquire);
-  if (number != 0)
+  if (const GradientRecord* kept = this->find(block))
   {
-    return with(pool_->chunkOf(number).records[number % Chunk::size]);
+    return with(*kept);
   }
   Worker& own = this->worker();
   if (own.unkeptBlock == block)
@@ -120,7 +111,8 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
     for (int a = 0; a < 3; ++a)
     {
       const double scaled = std::clamp(worker.gradients[v][a] * scale[0] * scale[1], -most, most);
-      std::atomic_ref(record.gradients[v][a]).store(static_cast<float>(scaled), std::memory_order_relaxed);
+      std::atomic_ref(record.bits[v][a])
+        .store(std::bit_cast<std::uint32_t>(static_cast<float>(scaled)), std::memory_order_relaxed);
     }
   });
   std::atomic_ref(record.octants).fetch_or(octants, std::memory_order_release);

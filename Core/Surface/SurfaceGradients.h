@@ -6,6 +6,7 @@
 #include "Interpolation/BlockGradients.h"
 #include "Surface/SurfaceBlocks.h"
 
+#include <bit>
 #include <mutex>
 
 namespace treeamr
@@ -18,7 +19,7 @@ struct alignas(64) GradientRecord
 {
   float at(int vertex, int axis) const noexcept
   {
-    return std::atomic_ref(gradients[vertex][axis]).load(std::memory_order_relaxed);
+    return std::bit_cast<float>(std::atomic_ref(bits[vertex][axis]).load(std::memory_order_relaxed));
   }
   /// Octants x + 4 y + 16 z.
   std::uint64_t ready(std::memory_order order) const noexcept { return std::atomic_ref(octants).load(order); }
@@ -26,7 +27,8 @@ struct alignas(64) GradientRecord
 private:
   friend class SurfaceGradients;
 
-  mutable std::array<std::array<float, 3>, block::vertexCount> gradients;
+  using Bits = std::array<std::uint32_t, 3>; // of floats
+  mutable std::array<Bits, block::vertexCount> bits;
   mutable std::uint64_t octants;
   mutable int exponent; // set before other threads see the record
 };
@@ -38,9 +40,20 @@ public:
   SurfaceGradients(const SurfaceBlocks& blocks, std::size_t budgetBytes);
 
   /// With some octants, active ones. values: the block's. Valid until the thread's next call, for ever when it is kept.
-  const GradientRecord& record(std::uint32_t block, const SurfaceRecord& values, std::uint64_t octants) const;
+  const GradientRecord& record(std::uint32_t block, const SurfaceRecord& values, std::uint64_t octants) const
+  {
+    const GradientRecord* kept = this->find(block);
+    return kept && (octants & ~kept->ready(std::memory_order_acquire)) == 0
+      ? *kept
+      : this->complete(block, values, octants);
+  }
   /// Whether an octant is not there yet, and would be kept: many of a block together cost less.
-  bool lacks(std::uint32_t block, int octant) const;
+  bool lacks(std::uint32_t block, int octant) const
+  {
+    const GradientRecord* kept = this->find(block);
+    return kept ? !(kept->ready(std::memory_order_relaxed) >> octant & 1)
+                : !isPrepared_.load(std::memory_order_acquire) || !pool_->overflowed();
+  }
 
   /// As SurfaceBlocks::startFrame().
   void startFrame() const;
@@ -66,13 +79,26 @@ private:
   static constexpr std::uint32_t noBlock = std::numeric_limits<std::uint32_t>::max();
 
   void prepare() const;
+  /// Null: none is kept.
+  const GradientRecord* find(std::uint32_t block) const noexcept
+  {
+    if (!isPrepared_.load(std::memory_order_acquire))
+    {
+      return nullptr;
+    }
+    const std::uint32_t number = numbers_[block].load(std::memory_order_acquire);
+    return number != 0 ? &pool_->chunkOf(number).records[number % Chunk::size] : nullptr;
+  }
+  const GradientRecord& complete(
+    std::uint32_t block, const SurfaceRecord& values, std::uint64_t octants) const;
   Worker& worker() const;
   void add(std::uint64_t octants, std::uint32_t block, const SurfaceRecord& values, Worker& worker,
     const GradientRecord& record) const noexcept;
 
   const SurfaceBlocks& blocks_;
   std::size_t budgetBytes_;
-  mutable std::once_flag prepared_;
+  mutable std::once_flag prepares_;
+  mutable std::atomic<bool> isPrepared_{ false };
   mutable Numbers numbers_;
   mutable std::optional<ChunkPool<Chunk>> pool_;   // once prepared
   mutable std::atomic<std::uint64_t> unkept_{ 0 }; // records begun since startFrame()
