@@ -4,10 +4,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <string>
 
 namespace treeamr
 {
+
+namespace
+{
+
+void check(const TransferFunction::Entry& e, const char* kind, std::size_t i)
+{
+  if (!(e.extinction >= 0.f) || !std::isfinite(e.extinction) || !std::isfinite(e.r + e.g + e.b))
+  {
+    throw Error("transfer function: " + std::string(kind) + " " + std::to_string(i) + " has extinction " +
+      std::to_string(e.extinction) + "; colours must be finite, extinctions finite and not negative");
+  }
+}
+
+/// Exact at both ends, however opaque one is.
+TransferFunction::Entry between(
+  const TransferFunction::Entry& a, const TransferFunction::Entry& b, float f) noexcept
+{
+  return { std::lerp(a.r, b.r, f), std::lerp(a.g, b.g, f), std::lerp(a.b, b.b, f),
+    std::lerp(a.extinction, b.extinction, f) };
+}
+
+} // namespace
 
 TransferFunction::TransferFunction(double min, double max, std::vector<Entry> entries)
   : min_(min)
@@ -27,14 +51,68 @@ TransferFunction::TransferFunction(double min, double max, std::vector<Entry> en
   visibleBefore_.resize(entries_.size() + 1, 0);
   for (std::size_t i = 0; i < entries_.size(); ++i)
   {
-    const Entry& e = entries_[i];
-    if (!(e.extinction >= 0.f) || !std::isfinite(e.extinction) || !std::isfinite(e.r + e.g + e.b))
-    {
-      throw Error("transfer function: entry " + std::to_string(i) + " has extinction " +
-        std::to_string(e.extinction) + "; colours must be finite, extinctions finite and not negative");
-    }
-    visibleBefore_[i + 1] = visibleBefore_[i] + (e.extinction > 0.f);
+    check(entries_[i], "entry", i);
+    visibleBefore_[i + 1] = visibleBefore_[i] + (entries_[i].extinction > 0.f);
   }
+}
+
+TransferFunction TransferFunction::ofNodes(std::vector<Node> nodes)
+{
+  if (nodes.empty())
+  {
+    throw Error("transfer function: 0 nodes, allowed are 1 or more");
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+  {
+    check(nodes[i].below, "below node", i);
+    check(nodes[i].above, "above node", i);
+    if (!std::isfinite(nodes[i].value) || (i > 0 && !(nodes[i - 1].value < nodes[i].value)))
+    {
+      throw Error("transfer function: node " + std::to_string(i) + " at " + std::to_string(nodes[i].value) +
+        (i > 0 ? " after " + std::to_string(nodes[i - 1].value) : "") +
+        ", allowed are finite values that increase");
+    }
+  }
+  constexpr std::size_t samples = 4096;
+  double min = nodes.front().value;
+  double max = nodes.back().value;
+  // What lies beyond a jump at an end has an entry, too.
+  const double width = max > min ? max - min : std::max(std::abs(max), std::numeric_limits<double>::min());
+  const double beside = 2. * width / samples;
+  min -= nodes.front().below == nodes.front().above ? 0. : beside;
+  max += nodes.back().below == nodes.back().above ? 0. : beside;
+
+  if (!std::isfinite(max - min))
+  {
+    throw Error("transfer function: nodes from " + std::to_string(min) + " to " + std::to_string(max) +
+      ", allowed is a finite width");
+  }
+
+  TransferFunction result;
+  result.nodes_ = std::move(nodes);
+  result.min_ = min;
+  result.last_ = samples - 1.;
+  result.scale_ = max > min ? result.last_ / (max - min) : 0.;
+  result.nodesBefore_.assign(samples + 1, 0);
+  for (const Node& node : result.nodes_)
+  {
+    ++result.nodesBefore_[static_cast<std::size_t>(result.position(node.value)) + 1];
+  }
+  std::partial_sum(result.nodesBefore_.begin(), result.nodesBefore_.end(), result.nodesBefore_.begin());
+  result.entries_.resize(samples);
+  for (std::size_t i = 0; i < samples; ++i)
+  {
+    result.entries_[i] =
+      result.atValue(i + 1 < samples ? min + static_cast<double>(i) / result.last_ * (max - min) : max);
+  }
+  result.visibleBefore_.assign(1, 0);
+  for (std::size_t i = 0; i <= result.nodes_.size(); ++i)
+  {
+    const bool isVisible = (i > 0 && result.nodes_[i - 1].above.extinction > 0.f) ||
+      (i < result.nodes_.size() && result.nodes_[i].below.extinction > 0.f);
+    result.visibleBefore_.push_back(result.visibleBefore_.back() + isVisible);
+  }
+  return result;
 }
 
 TransferFunction TransferFunction::ofCategories(std::vector<Entry> entries)
@@ -66,18 +144,27 @@ float TransferFunction::extinctionFromOpacity(double opacity, double unitDistanc
 
 TransferFunction::Entry TransferFunction::at(float value) const noexcept
 {
-  return atPosition(position(value));
+  return nodes_.empty() ? atPosition(position(value)) : atValue(value);
 }
 
 TransferFunction::Entry TransferFunction::atPosition(double p) const noexcept
 {
   const auto i = std::min(static_cast<std::size_t>(p), entries_.size() - 2);
-  const auto f = static_cast<float>(p - static_cast<double>(i));
-  const Entry& a = entries_[i];
-  const Entry& b = entries_[i + 1];
-  // Exact at both ends, however opaque one is.
-  return { std::lerp(a.r, b.r, f), std::lerp(a.g, b.g, f), std::lerp(a.b, b.b, f),
-    std::lerp(a.extinction, b.extinction, f) };
+  return between(entries_[i], entries_[i + 1], static_cast<float>(p - static_cast<double>(i)));
+}
+
+TransferFunction::Entry TransferFunction::atValue(double value) const noexcept
+{
+  const std::size_t next = nodesUpTo(value);
+  if (next == 0 || next == nodes_.size())
+  {
+    return next == 0 ? nodes_.front().below : nodes_.back().above;
+  }
+  const Node& a = nodes_[next - 1];
+  const Node& b = nodes_[next];
+  // Halves: the difference of the largest numbers is none.
+  return between(
+    a.above, b.below, static_cast<float>((0.5 * value - 0.5 * a.value) / (0.5 * b.value - 0.5 * a.value)));
 }
 
 } // namespace treeamr

@@ -21,7 +21,7 @@ constexpr double refinement = 4.;
 constexpr double leastConverged = 4.;
 /// One group of pixels in so many, within limits: a few dozen estimate an error to a fifth of it.
 constexpr std::size_t groupsPerChosen = 500;
-constexpr std::size_t leastChosen = 48;
+constexpr std::size_t leastChosen = 96;
 constexpr std::size_t mostChosen = 128;
 /// Groups of which one is chosen: to look at all of a large image would take as long as the rays.
 constexpr std::size_t candidatesPerChosen = 16;

@@ -1,6 +1,7 @@
 #include "vtkTreeAMRVolumeMapper.h"
 
 #include "SceneConversion.h"
+#include "TransferFunctionConversion.h"
 #include "UnsupportedSettings.h"
 #include "VolumeMapperInternals.h"
 

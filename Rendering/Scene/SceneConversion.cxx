@@ -4,7 +4,6 @@
 
 #include "vtkCamera.h"
 #include "vtkColorTransferFunction.h"
-#include "vtkDataArray.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkMath.h"
@@ -25,7 +24,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 namespace treeamr
@@ -33,97 +31,6 @@ namespace treeamr
 
 namespace
 {
-
-/// Finer than 8-bit colours can tell apart along any ramp; 64 KiB stay in the L2 cache.
-constexpr int tableSize = 4096;
-
-struct Interval
-{
-  double min = std::numeric_limits<double>::infinity();
-  double max = -std::numeric_limits<double>::infinity();
-
-  void add(const double range[2])
-  {
-    min = std::min(min, range[0]);
-    max = std::max(max, range[1]);
-  }
-};
-
-/// The functions of a property, evaluated one value at a time: vtkColorTransferFunction::GetTable() spaces a
-/// table over several values logarithmically when the function's scale is.
-class PropertyFunctions
-{
-public:
-  explicit PropertyFunctions(vtkVolumeProperty* property)
-    : opacity_(property->GetScalarOpacity(0))
-    , gray_(property->GetColorChannels(0) == 1 ? property->GetGrayTransferFunction(0) : nullptr)
-    , color_(gray_ ? nullptr : property->GetRGBTransferFunction(0))
-    , unitDistance_(property->GetScalarOpacityUnitDistance(0))
-  {
-  }
-
-  /// Hull of the nodes of all functions: outside of it each is constant.
-  Interval nodeRange() const
-  {
-    Interval hull;
-    for (vtkPiecewiseFunction* function : { opacity_, gray_ })
-    {
-      if (function && function->GetSize() > 0)
-      {
-        hull.add(function->GetRange());
-      }
-    }
-    if (color_ && color_->GetSize() > 0)
-    {
-      hull.add(color_->GetRange());
-    }
-    return hull;
-  }
-
-  Vec3 color(double value) const
-  {
-    double rgb[3];
-    if (gray_)
-    {
-      rgb[0] = rgb[1] = rgb[2] = gray_->GetValue(value);
-    }
-    else
-    {
-      color_->GetColor(value, rgb);
-    }
-    return { rgb[0], rgb[1], rgb[2] };
-  }
-
-  double opacity(double value) const { return opacity_->GetValue(value); }
-
-  float extinction(double value) const
-  {
-    return TransferFunction::extinctionFromOpacity(opacity(value), unitDistance_);
-  }
-
-  TransferFunction::Entry at(double value) const
-  {
-    const Vec3 rgb = color(value);
-    return { static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]),
-      extinction(value) };
-  }
-
-private:
-  vtkPiecewiseFunction* opacity_;
-  vtkPiecewiseFunction* gray_;
-  vtkColorTransferFunction* color_;
-  double unitDistance_;
-};
-
-void checkUnitDistance(vtkVolumeProperty* property)
-{
-  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
-  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
-  {
-    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
-      ", allowed are positive lengths");
-  }
-}
 
 /// Transposed, as OpenGL has them.
 struct KeyMatrices
@@ -320,88 +227,26 @@ Material convertMaterial(vtkProperty* property, bool lit)
   return material;
 }
 
-TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset)
-{
-  checkUnitDistance(property);
-  const PropertyFunctions functions(property);
-  Interval part = functions.nodeRange();
-  part.min -= offset;
-  part.max -= offset;
-  if (!(part.min < part.max))
-  {
-    // No nodes, or all at one value, where clamped functions and range colours may jump.
-    part = { dataRange.min, dataRange.max };
-  }
-  if (dataRange.max <= part.min || dataRange.min >= part.max)
-  {
-    // Constant over the data, up to a value that is common to both: the far end tells.
-    const TransferFunction::Entry entry =
-      functions.at(offset + (dataRange.max <= part.min ? dataRange.min : dataRange.max));
-    return TransferFunction(dataRange.min, dataRange.max, { entry, entry });
-  }
-  part.min = std::max<double>(part.min, dataRange.min);
-  part.max = std::min<double>(part.max, dataRange.max);
-
-  // Two entries beyond each end: functions may jump there, to zero when clamping is off or to the colours for
-  // values out of range, and values far out must not touch the entries within.
-  constexpr int beyond = 2;
-  constexpr int last = tableSize - 1 - beyond;
-  const double step = (part.max - part.min) / (last - beyond);
-  std::vector<TransferFunction::Entry> entries(tableSize);
-  for (int i = 0; i < tableSize; ++i)
-  {
-    // The ends exactly: rounding must not take them over the jump. vtkPiecewiseFunction without clamping is
-    // zero on its first node, too.
-    double value = offset + (i == last ? part.max : part.min + (i - beyond) * step);
-    if (i == beyond)
-    {
-      value = std::nextafter(value, offset + part.max);
-    }
-    entries[i] = functions.at(value);
-  }
-  return TransferFunction(part.min - beyond * step, part.max + beyond * step, std::move(entries));
-}
-
-bool hasCategories(vtkVolumeProperty* property)
-{
-  return property->GetColorChannels(0) == 3 && property->GetRGBTransferFunction(0)->GetIndexedLookup();
-}
-
-TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values)
-{
-  checkUnitDistance(property);
-  const PropertyFunctions functions(property);
-  vtkColorTransferFunction* table = property->GetRGBTransferFunction(0);
-  // What a function without nodes maps nothing to.
-  std::array<unsigned char, 4> nothing{};
-  for (int c = 0; c < 3; ++c)
-  {
-    nothing[c] = static_cast<unsigned char>(255. * table->GetNanColor()[c] + 0.5);
-  }
-  std::vector<std::array<unsigned char, 4>> colors(
-    static_cast<std::size_t>(values->GetNumberOfTuples()), nothing);
-  table->Build();
-  table->MapScalarsThroughTable(values, colors.front().data(), VTK_RGBA);
-  std::vector<TransferFunction::Entry> entries;
-  entries.reserve(colors.size());
-  for (const std::array<unsigned char, 4>& rgba : colors)
-  {
-    const double value = values->GetComponent(static_cast<vtkIdType>(entries.size()), 0);
-    entries.push_back({ rgba[0] / 255.f, rgba[1] / 255.f, rgba[2] / 255.f, functions.extinction(value) });
-  }
-  return TransferFunction::ofCategories(std::move(entries));
-}
-
 std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,
   const std::vector<double>& isovalues, double opacityScale, const std::vector<Light>& lights)
 {
-  const PropertyFunctions functions(property);
+  vtkPiecewiseFunction* const gray =
+    property->GetColorChannels(0) == 1 ? property->GetGrayTransferFunction(0) : nullptr;
   const bool shaded = property->GetShade(0) != 0;
   const double unshaded = shaded ? property->GetAmbient(0) + property->GetDiffuse(0) : 1.;
   std::vector<SurfaceMaterial> materials;
   for (const double isovalue : isovalues)
   {
-    const Vec3 color = functions.color(isovalue);
+    Vec3 color;
+    if (gray)
+    {
+      color.fill(gray->GetValue(isovalue));
+    }
+    else
+    {
+      property->GetRGBTransferFunction(0)->GetColor(isovalue, color.data());
+    }
+    const double opacity = property->GetScalarOpacity(0)->GetValue(isovalue);
     SurfaceMaterial surface;
     if (!shaded || lights.empty())
     {
@@ -414,7 +259,7 @@ std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property
       surface.material.specular.fill(static_cast<float>(property->GetSpecular(0)));
       surface.material.specularPower = static_cast<float>(property->GetSpecularPower(0));
     }
-    surface.opacity = static_cast<float>(std::clamp(functions.opacity(isovalue) * opacityScale, 0., 1.));
+    surface.opacity = static_cast<float>(std::clamp(opacity * opacityScale, 0., 1.));
     materials.push_back(surface);
   }
   return materials;

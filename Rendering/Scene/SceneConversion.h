@@ -3,8 +3,6 @@
 
 #include "SurfaceShading.h"
 
-#include "Field/Field.h"
-#include "Field/TransferFunction.h"
 #include "Geometry/Camera.h"
 #include "Geometry/RayStops.h"
 #include "Surface/Shading.h"
@@ -13,7 +11,6 @@
 #include <vector>
 
 class vtkAbstractMapper;
-class vtkDataArray;
 class vtkProp3D;
 class vtkProperty;
 class vtkRenderer;
@@ -48,18 +45,6 @@ std::vector<Light> convertLights(vtkRenderer* renderer);
 bool isLit(vtkProperty* property, const std::vector<Light>& lights);
 /// Of what is not lit everything is in the ambient term.
 Material convertMaterial(vtkProperty* property, bool lit);
-
-/// A table of the property's colours and scalar opacities (component 0) for values of dataRange, its entries
-/// spent on the part of it that the functions distinguish. dataRange and the table's values: less the offset, which the
-/// property's values are not. Throws Error for a unit distance that is not positive.
-TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset = -0.);
-
-/// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
-/// nothing in between.
-bool hasCategories(vtkVolumeProperty* property);
-/// For the numbers of these values, which the property has the colours of, as VTK colours surfaces by them,
-/// and opacities. Throws Error as convertTransferFunction().
-TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values);
 
 /// How VTK's own volume mapper shows the surfaces of isovalues: the functions at the isovalue give colour and
 /// opacity, whatever the unit distance; without shading the colour is all there is, and with it but without

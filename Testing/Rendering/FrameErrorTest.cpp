@@ -217,7 +217,7 @@ TEST_F(PeeledFrameErrorTest, estimateOfParts)
   mapper_->SetSamplesPerCell(0.25);
   const double truth = rmse(scene_.render(), expected);
   EXPECT_GT(statistic("Rays"), 1.1 * scene_.width() * scene_.height()) << "two parts of some rays";
-  EXPECT_GT(truth, 0.006) << "far above 8 bits";
+  EXPECT_GT(truth, 0.002) << "above 8 bits";
   EXPECT_GT(estimated(), 0.5 * truth);
   EXPECT_LT(estimated(), 2. * truth);
 }

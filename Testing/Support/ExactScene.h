@@ -38,7 +38,7 @@ public:
   /// The largest error of a channel over every `stride`th pixel, with float and double lanes, infinite where instruction
   /// sets differ.
   double volumeError(const TransferFunction& transferFunction, const Camera& camera, int stride = 1,
-    double samplesPerCell = 64.)
+    double samplesPerCell = 16.)
   {
     VolumeSettings settings;
     settings.samplesPerCell = samplesPerCell;

@@ -4,6 +4,7 @@
 #include "Geometry/Trilinear.h"
 #include "Interpolation/VertexValues.h"
 #include "Octree/TreePath.h"
+#include "Support/LineIntegral.h"
 
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/combinable.h>
@@ -13,6 +14,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,7 +47,7 @@ public:
   {
   }
   /// p: half widths from the leaf's lower corner, 0 to 2.
-  float operator()(const std::array<double, 3>& p) const noexcept
+  double operator()(const std::array<double, 3>& p) const noexcept
   {
     int base = 0;
     std::array<double, 3> f;
@@ -56,8 +58,8 @@ public:
       f[a] = std::clamp(p[a] - upper, 0., 1.);
     }
     // Rounding must not leave the range by which nodes are skipped.
-    return std::clamp(static_cast<float>(trilinear(cornersOf(values_.data() + base, leafVertexStride), f)),
-      range_.min, range_.max);
+    return std::clamp<double>(
+      trilinear(cornersOf(values_.data() + base, leafVertexStride), f), range_.min, range_.max);
   }
 
 private:
@@ -69,12 +71,13 @@ class TileRenderer
 {
 public:
   TileRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const RayStops& stops, const VolumeSettings& settings)
+    const RayStops& stops, const VolumeSettings& settings, bool converged)
     : field_(field)
     , transferFunction_(transferFunction)
     , camera_(camera)
     , stops_(stops)
     , settings_(settings)
+    , line_(converged ? std::make_optional<LineIntegral>(transferFunction) : std::nullopt)
     , ranges_(settings.skipEmpty ? &field.nodeRanges() : nullptr)
     , path_(field.octree())
   {
@@ -311,11 +314,32 @@ private:
     const double widths = 0.5 * std::sqrt(squared) * length;
     const int samples = std::max(1, static_cast<int>(std::ceil(widths * settings_.samplesPerCell)));
     const double step = length / samples;
+    const auto fieldAt = [&](double f) {
+      return leafField(
+        { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] });
+    };
+    if (line_)
+    {
+      std::array<double, 5> ends{ 0., 1., 1., 1., 1. };
+      for (int a = 0; a < 3; ++a)
+      {
+        ends[a + 1] = std::clamp((1. - position[a]) / perLength[a], 0., 1.); // the middle of the leaf
+        ends[a + 1] = std::isnan(ends[a + 1]) ? 1. : ends[a + 1];
+      }
+      std::sort(ends.begin(), ends.end());
+      for (std::size_t i = 0; i + 1 < ends.size(); ++i)
+      {
+        if (ends[i] < ends[i + 1])
+        {
+          addConverged(ray, fieldAt, ends[i], fieldAt(ends[i]), ends[i + 1], fieldAt(ends[i + 1]), length, 0);
+        }
+      }
+      return;
+    }
     for (int i = 0; i < samples; ++i)
     {
       const double f = (i + 0.5) / samples;
-      const TransferFunction::Entry e = transferFunction_.at(leafField(
-        { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] }));
+      const TransferFunction::Entry e = transferFunction_.at(static_cast<float>(fieldAt(f)));
       if (e.extinction == 0.f)
       {
         continue;
@@ -330,12 +354,49 @@ private:
     statistics_.samples += samples;
   }
 
+  /// From one part of the way, and the field there, to another. length: of the whole way.
+  template <class FieldAt>
+  void addConverged(TileRay& ray, const FieldAt& fieldAt, double begin, double first, double end, double last,
+    double length, int depth)
+  {
+    constexpr double straight = 0.01; // of the field's change
+    constexpr int deepest = 24;
+    constexpr int parts = 4;
+    std::array<double, parts + 1> values{ first, 0., 0., 0., last };
+    double bend = 0.;
+    for (int i = 1; i < parts; ++i)
+    {
+      const double part = static_cast<double>(i) / parts;
+      values[i] = fieldAt(std::lerp(begin, end, part));
+      bend = std::max(bend, std::abs(values[i] - std::lerp(first, last, part)));
+    }
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    if (ray.transmittance < 1e-6 ||
+      !transferFunction_.isVisible({ static_cast<float>(*low - bend), static_cast<float>(*high + bend) }))
+    {
+      return;
+    }
+    const double size = std::max(std::abs(first), std::abs(last));
+    if (bend > std::max(straight * std::abs(last - first), 1e-13 * size) && depth < deepest)
+    {
+      const double middle = 0.5 * (begin + end);
+      addConverged(ray, fieldAt, begin, first, middle, values[2], length, depth + 1);
+      addConverged(ray, fieldAt, middle, values[2], end, last, length, depth + 1);
+      return;
+    }
+    for (int i = 0; i < parts; ++i)
+    {
+      line_->addLight(values[i], values[i + 1], length * (end - begin) / parts, ray.color, ray.transmittance);
+    }
+  }
+
   const Field& field_;
   const TransferFunction& transferFunction_;
   const Camera& camera_;
   const RayStops& stops_;
   const VolumeSettings& settings_;
-  const NodeRanges* ranges_; // null: nothing is skipped
+  std::optional<LineIntegral> line_; // of converged pictures
+  const NodeRanges* ranges_;         // null: nothing is skipped
   TreePath path_;
   VertexMemo memo_;
   std::vector<TileRay> rays_;
@@ -344,16 +405,14 @@ private:
   VolumeStatistics statistics_;
 };
 
-} // namespace
-
-VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image)
+VolumeStatistics render(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const RayStops& stops, const VolumeSettings& settings, bool converged, Image& image)
 {
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + tileWidth - 1) / tileWidth;
   const int columns = (image.width + tileWidth - 1) / tileWidth;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 8), [&](const auto& tiles) {
-    TileRenderer renderer(field, transferFunction, camera, stops, settings);
+    TileRenderer renderer(field, transferFunction, camera, stops, settings, converged);
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
       for (int column = tiles.cols().begin(); column < tiles.cols().end(); ++column)
@@ -364,6 +423,21 @@ VolumeStatistics renderVolumeReference(const Field& field, const TransferFunctio
     statistics.local() += renderer.statistics();
   });
   return statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+}
+
+} // namespace
+
+VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image)
+{
+  return render(field, transferFunction, camera, stops, settings, false, image);
+}
+
+void renderVolumeConverged(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const RayStops& stops, Image& image)
+{
+  const VolumeSettings settings;
+  render(field, transferFunction, camera, stops, settings, true, image);
 }
 
 } // namespace treeamr::test

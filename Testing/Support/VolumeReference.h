@@ -11,4 +11,9 @@ namespace treeamr::test
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image);
 
+/// The picture itself: octant by octant in steps that are cut until the field is all but a line in them, whatever the
+/// function does there, and light is integrated over all of that, one part after the other.
+void renderVolumeConverged(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  const RayStops& stops, Image& image);
+
 } // namespace treeamr::test

@@ -34,8 +34,8 @@ struct Block
   const std::uint16_t* steps;
   const Real* exact; // places in the table, not cut off at its ends; null where steps are sampled
   ToTable<Real> toTable;
-  Real variation; // of the extinction over the block's hull, per kernel unit
-  bool preIntegrate;
+  Real variation;    // of the extinction over the block's hull, per kernel unit
+  bool preIntegrate; // the places are those of the table's integrals
 };
 
 /// Of one thread.
@@ -86,7 +86,7 @@ public:
       }
       block.steps = kept->values.data();
     }
-    if (isCoarse(block.toTable) || !hasSteps(range))
+    if (isCoarse(block) || !hasSteps(range))
     {
       if (found.record)
       {
@@ -102,11 +102,11 @@ public:
   }
 
   /// Of one place in the table.
-  Block<Real> constant(Real position, Real variation) const noexcept
+  Block<Real> constant(Real position, Real variation, bool preIntegrate = false) const noexcept
   {
     alignas(64) static constexpr decltype(BlockRecord::values) noSteps{};
     return { noSteps.data(), Block<Real>::samplesSteps ? nullptr : exact_,
-      { 0, position, position, position }, variation, false };
+      { 0, position, position, position }, variation, preIntegrate };
   }
 
   /// Whether a block stays as it is when others are prepared: they may use the buffers.
@@ -119,10 +119,17 @@ public:
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
-  /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables.
-  bool isCoarse(const ToTable<Real>& t) const
+  /// Whether values in steps would make steps in the picture, too: when their hull is wider than four tables, or one
+  /// hides where the function bends.
+  bool isCoarse(const Block<Real>& block) const
   {
-    return !(t.scale < 4 / BlockRecord::steps * scene_.table.last);
+    if (block.preIntegrate)
+    {
+      const IntegralTable& integrals = *scene_.table.integrals;
+      return block.toTable.scale >
+        integrals.finestStep(integrals.rowOf(block.toTable.first), integrals.rowOf(block.toTable.last));
+    }
+    return !(block.toTable.scale < 4 / BlockRecord::steps * scene_.table.last);
   }
 
   /// Whether a block can be kept: denormal numbers cannot count the steps of their hull, and no float the width of the
@@ -158,10 +165,32 @@ private:
     const double variation = table.variation[lastEntry] - table.variation[firstEntry];
     block.variation = static_cast<Real>(variation);
     block.preIntegrate = scene_.features.preIntegration &&
-      pointSampleError(
-        scene_, variation, table.curvature[lastEntry] - table.curvature[firstEntry], last - first + 1.) *
-          leafWidth >
-        pointSampleTolerance;
+      (table.rough[lastEntry] > table.rough[firstEntry] || isFlat(width * scale) ||
+        !pointsSuffice(scene_,
+          { variation, table.curvature[lastEntry] - table.curvature[firstEntry], width * scale + 1. },
+          leafWidth));
+    if (block.preIntegrate)
+    {
+      classifyByIntegrals(range, block);
+    }
+  }
+
+  /// Whether a function of nodes would be seen in few entries only, whose rounding does not even out.
+  bool isFlat(double entries) const
+  {
+    constexpr double few = 8.;
+    return entries < few && !scene_.transferFunction.nodes().empty();
+  }
+
+  HWY_NOINLINE void classifyByIntegrals(const Range& range, Block<Real>& block) const
+  {
+    const IntegralTable& integrals = *scene_.table.integrals;
+    const double first = integrals.placeOf(range.min);
+    const double last = integrals.placeOf(range.max);
+    block.toTable = { static_cast<Real>((last - first) / BlockRecord::steps), static_cast<Real>(first),
+      static_cast<Real>(first), static_cast<Real>(last) };
+    block.variation =
+      static_cast<Real>(integrals.variation(integrals.rowOf(first), integrals.rowOf(last) + 1));
   }
 
   /// Places in the table at once of the values computed last: a difference from a huge end of the hull would have lost
@@ -169,11 +198,12 @@ private:
   void placeValues(Block<Real>& block)
   {
     constexpr double far = std::is_same_v<Real, float> ? farthestPlace : std::numeric_limits<double>::max();
-    const double scale = scaleToTable();
+    const bool byIntegrals = block.preIntegrate;
+    const double origin = byIntegrals ? scene_.table.integrals->reference() : scene_.transferFunction.min();
+    const double scale = byIntegrals ? scene_.table.integrals->placesPerValue() : scaleToTable();
     for (std::size_t i = 0; i < values_.values.size(); ++i)
     {
-      exact_[i] =
-        static_cast<Real>(std::clamp((values_.values[i] - scene_.transferFunction.min()) * scale, -far, far));
+      exact_[i] = static_cast<Real>(std::clamp((values_.values[i] - origin) * scale, -far, far));
     }
     useExact(block);
   }

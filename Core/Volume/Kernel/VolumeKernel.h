@@ -16,7 +16,7 @@ struct SceneFeatures
 {
   bool commonOrigin = true;    // all rays start at one point; compiled apart
   bool doubles = false;        // floats do not resolve the view, the domain or the values; compiled apart
-  bool preIntegration = false; // some cell may vary more than point samples can follow
+  bool preIntegration = false; // some cell may vary more than samples of the table can follow
   bool categories = false;     // each leaf is one constant
 };
 
@@ -56,18 +56,27 @@ private:
   bool resolves() const;
 };
 
-/// Of the optical depth along one width of a leaf, when its part of the table is only sampled at points: what
-/// lies between samples is missed, at most the whole variation; a smooth function errs by its bend over the
-/// square of the samples. Per kernel unit of the leaf's width; `entries` of the table lie in its hull.
-inline double pointSampleError(
-  const VolumeKernelScene& scene, double variation, double curvature, double entries) noexcept
+/// What the transfer function does in a hull, per kernel unit.
+struct HullTerms
 {
-  const double samples = std::max(1., scene.settings.samplesPerCell);
-  const double worldPerData = scene.dataScale / scene.scale;
-  return worldPerData * std::min(variation, curvature * entries / 8.) / (samples * samples);
+  double variation; // of the optical depth
+  double curvature; // sum of what bends in it
+  double entries;   // the hull's width
+};
+
+/// Whether points follow the optical depth along one width of a leaf: what lies between two samples may be missed, at
+/// most the whole variation, but a smooth function errs by its bend over the square of the samples; and what a sample
+/// stands for must not hide itself. For any number of samples, so that more of them are never worse.
+inline bool pointsSuffice(const VolumeKernelScene& scene, const HullTerms& hull, double leafWidth) noexcept
+{
+  constexpr double mostMissed = 0.8;
+  constexpr double mostBent = 6.4;
+  constexpr double mostAtOnce = 4.;
+  const double length = scene.dataScale / scene.scale * leafWidth;
+  const double variation = length * hull.variation;
+  return variation <= mostMissed ||
+    (variation <= mostAtOnce && length * hull.curvature * hull.entries <= mostBent);
 }
-/// Above it the samples' intervals are integrated.
-constexpr double pointSampleTolerance = 0.2;
 
 constexpr int volumeTileWidth = 16;
 static_assert(volumeTileWidth == 4 * PixelGroup::width);

@@ -26,8 +26,11 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   features.categories = transferFunction.hasCategories();
   if (!features.categories && settings.preIntegration)
   {
-    const double error = pointSampleError(*this, table.variation.back(), table.curvature.back(), table.last);
-    features.preIntegration = error * relativeLeafWidth(field.octree().grid(), 0) > pointSampleTolerance;
+    const double width = static_cast<double>(field.range().max) - field.range().min;
+    const HullTerms all{ table.variation.back(), table.curvature.back(),
+      std::max<double>(table.last, width * transferFunction.scale() * table.perEntry) };
+    features.preIntegration = !transferFunction.nodes().empty() || table.rough.back() > 0 ||
+      !pointsSuffice(*this, all, relativeLeafWidth(field.octree().grid(), 0));
   }
 }
 

@@ -13,7 +13,6 @@
 
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
@@ -300,7 +299,7 @@ struct Span
 /// The field after `Count` numbers of steps, as positions in the table. Side by side, because a single chain of
 /// loads leaves the processor waiting.
 template <int Count, class Real, class Values>
-HWY_INLINE void sample(const Span<Real>& span, const Real (&steps)[Count], const Values& values,
+HWY_INLINE void sample(const Span<Real>& span, const Reals<Real> (&steps)[Count], const Values& values,
   const ToTable<Real>& toTable, const Lattice<Real>& lattice, Reals<Real> (&position)[Count])
 {
   const RealTag<Real> d;
@@ -308,7 +307,7 @@ HWY_INLINE void sample(const Span<Real>& span, const Real (&steps)[Count], const
   Ints<Real> vertex[Count];
   for (int k = 0; k < Count; ++k)
   {
-    const Reals<Real> along = hn::Mul(hn::Set(d, steps[k]), span.step);
+    const Reals<Real> along = hn::Mul(steps[k], span.step);
     Reals<Real> cell[3];
     for (int a = 0; a < 3; ++a)
     {
@@ -355,10 +354,10 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
   const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
 {
   const RealTag<Real> d;
-  Real steps[Count];
+  Reals<Real> steps[Count];
   for (int k = 0; k < Count; ++k)
   {
-    steps[k] = i + static_cast<Real>(k) + Real(0.5);
+    steps[k] = hn::Set(d, i + static_cast<Real>(k) + Real(0.5));
   }
   Reals<Real> position[Count];
   sample(span, steps, values, toTable, lattice, position);
@@ -391,100 +390,6 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
     light.transmittance = hn::Sub(light.transmittance, weight);
   }
   return Count;
-}
-
-/// Mean of extinction and extinction times colour over the table between two positions, at which entry i begins
-/// at i: it stands for what is nearest to it. last: number of the last entry.
-template <class Real>
-HWY_INLINE void integral(const VolumeTable::Integral* integrals, Real last, Reals<Real> low, Reals<Real> high,
-  Reals<Real> (&mean)[4])
-{
-  const RealTag<Real> d;
-  const IntTag<Real> di;
-  constexpr int row = sizeof(VolumeTable::Integral) / sizeof(float);
-  const Reals<Real> perEntry = hn::Div(hn::Set(d, Real(1)), hn::Sub(high, low));
-  const Reals<Real> first = hn::Floor(low);
-  const Reals<Real> end = hn::Min(hn::Floor(high), hn::Set(d, last));
-  const Reals<Real> before = hn::Sub(low, first); // parts of entries
-  const Reals<Real> beyond = hn::Sub(high, end);
-  const float* table = integrals->sum;
-  const Ints<Real> from = hn::Mul(truncated<Real>(first), hn::Set(di, row));
-  const Ints<Real> to = hn::Mul(truncated<Real>(end), hn::Set(di, row));
-  for (int c = 0; c < 4; ++c)
-  {
-    const Reals<Real> sum = hn::Sub(gather<Real>(table + c, to), gather<Real>(table + c, from));
-    const Reals<Real> rest = hn::Sub(gather<Real>(table + 4 + c, to), gather<Real>(table + 4 + c, from));
-    const Reals<Real> parts =
-      negMulAdd(before, gather<Real>(table + 8 + c, from), hn::Mul(beyond, gather<Real>(table + 8 + c, to)));
-    mean[c] = hn::Mul(hn::Add(hn::Add(sum, rest), parts), perEntry);
-  }
-}
-
-/// The same of the nearest entry alone, in full: sums have no digits for the most opaque ones, and cap them.
-template <class Real>
-HWY_INLINE void nearestEntry(
-  const TransferFunction::Entry* entries, Reals<Real> position, Reals<Real> (&mean)[4])
-{
-  const RealTag<Real> d;
-  const float* table = &entries->r;
-  const Ints<Real> entry = hn::ShiftLeft<2>(nearest<Real>(position));
-  mean[3] = hn::Mul(gather<Real>(table + 3, entry), hn::Set(d, std::numbers::ln2_v<Real>));
-  for (int c = 0; c < 3; ++c)
-  {
-    mean[c] = hn::Mul(mean[3], gather<Real>(table + c, entry));
-  }
-}
-
-/// Steps by the transfer function's integrals.
-template <class Real, class Values>
-HWY_INLINE void takeIntegrals(const VolumeTable& table, const Span<Real>& span, Real mostSamples,
-  const Values& values, const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
-{
-  const RealTag<Real> d;
-  Reals<Real> first[1];
-  sample(span, { Real(0) }, values, toTable, lattice, first);
-  Reals<Real> before = first[0];
-  for (Real i = 0; i < mostSamples; i += 1)
-  {
-    // Of the change over the step, about the value in its middle: that follows a bent field. Of an entry at
-    // least, so that a spike crossed in many steps has no more and no less than its share.
-    Reals<Real> position[2];
-    sample(span, { i + Real(0.5), i + 1 }, values, toTable, lattice, position);
-    const Reals<Real> change = hn::Abs(hn::Sub(position[1], before));
-    const Reals<Real> half = hn::Max(hn::Mul(change, hn::Set(d, Real(0.5))), hn::Set(d, Real(0.5)));
-    before = position[1];
-    const Reals<Real> middle = hn::Add(position[0], hn::Set(d, Real(0.5)));
-    Reals<Real> mean[4];
-    // Within the entries around the hull by which nodes are skipped.
-    integral(table.integrals.data(), Real(table.last),
-      hn::Max(hn::Sub(middle, half), hn::Set(d, toTable.first)),
-      hn::Min(hn::Add(middle, half), hn::Set(d, toTable.last + 1)), mean);
-    if constexpr (std::is_same_v<Real, double>)
-    {
-      // A step far shorter than floats resolve may show what the sums cap. It is so small a part of an entry that many
-      // of them have no more than its share, either.
-      const Mask<Real> isShort = hn::Lt(change, hn::Set(d, Real(0x1p-6)));
-      Reals<Real> own[4];
-      nearestEntry<Real>(table.entries.data(), position[0], own);
-      for (int c = 0; c < 4; ++c)
-      {
-        mean[c] = hn::IfThenElse(isShort, own[c], mean[c]);
-      }
-    }
-    const Reals<Real> extinction =
-      hn::IfThenElseZero(hn::Lt(hn::Set(d, i), span.samples), hn::ZeroIfNegative(mean[3]));
-    const Reals<Real> held = heldBack(
-      hn::Mul(extinction, hn::Mul(span.depthPerExtinction, hn::Set(d, -std::numbers::log2e_v<Real>))));
-    const Reals<Real> weight = hn::Mul(light.transmittance, held);
-    // None where there is no extinction.
-    const Reals<Real> perExtinction =
-      hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)), hn::Div(weight, extinction));
-    light.red = mulAdd(perExtinction, mean[0], light.red);
-    light.green = mulAdd(perExtinction, mean[1], light.green);
-    light.blue = mulAdd(perExtinction, mean[2], light.blue);
-    light.opacity = hn::Add(light.opacity, weight);
-    light.transmittance = hn::Sub(light.transmittance, weight);
-  }
 }
 
 /// From the squares of the numbers of samples that rays want; the most of any. Up to four come without root and

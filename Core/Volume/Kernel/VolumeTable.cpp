@@ -3,6 +3,7 @@
 #include "Geometry/Bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -74,7 +75,8 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
   {
     return;
   }
-  const std::vector<std::array<double, 4>> terms = this->terms(transferFunction);
+  const std::vector<EmissionTerms> terms = this->terms(transferFunction);
+  findRoughGaps(transferFunction);
   variation.assign(size, 0.);
   curvature.assign(size, 0.);
   for (std::size_t i = 1; i < size; ++i)
@@ -84,8 +86,11 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
     for (int c = 0; c < 4; ++c)
     {
       change = std::max(change, std::abs(terms[i][c] - terms[i - 1][c]));
-      bend =
-        i + 1 < size ? std::max(bend, std::abs(terms[i + 1][c] - 2. * terms[i][c] + terms[i - 1][c])) : 0.;
+      // Constant beyond the ends.
+      const double next = terms[std::min(i + 1, size - 1)][c];
+      const double last = terms[i - 1][c];
+      bend = std::max(
+        bend, std::abs(next - 2. * terms[i][c] + last) + (i == 1 ? std::abs(terms[1][c] - last) : 0.));
     }
     variation[i] = variation[i - 1] + change;
     curvature[i] = curvature[i - 1] + bend;
@@ -94,28 +99,58 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
 
 void VolumeTable::integrate(const TransferFunction& transferFunction)
 {
-  if (!integrals.empty())
+  if (!integrals)
   {
-    return;
-  }
-  const std::vector<std::array<double, 4>> terms = this->terms(transferFunction);
-  integrals.resize(terms.size());
-  std::array<double, 4> sum{};
-  for (std::size_t i = 0; i < terms.size(); ++i)
-  {
-    for (int c = 0; c < 4; ++c)
-    {
-      integrals[i].sum[c] = static_cast<float>(sum[c]);
-      integrals[i].rest[c] = static_cast<float>(sum[c] - integrals[i].sum[c]);
-      integrals[i].own[c] = static_cast<float>(terms[i][c]);
-      sum[c] += terms[i][c];
-    }
+    integrals = std::make_unique<IntegralTable>(transferFunction, diagonal_, mostExtinction_);
   }
 }
 
-std::vector<std::array<double, 4>> VolumeTable::terms(const TransferFunction& transferFunction) const
+void VolumeTable::findRoughGaps(const TransferFunction& transferFunction)
 {
-  std::vector<std::array<double, 4>> terms;
+  // Of a channel, and of extinctions: a part, but where depth across the domain hardly depends on it.
+  constexpr float channel = 1.f / 512.f;
+  constexpr double part = 1. / 64.;
+  constexpr double depth = 1. / 8.;
+  const auto differs = [&](const TransferFunction::Entry& a, const TransferFunction::Entry& b) {
+    const float extinction = std::max(a.extinction, b.extinction);
+    const double change = std::abs(static_cast<double>(a.extinction) - b.extinction);
+    return extinction > 0.f &&
+      ((change > part * extinction && change * diagonal_ > depth) ||
+        std::max({ std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b) }) > channel);
+  };
+  const auto at = [&](
+                    std::size_t i) { return transferFunction.atPosition(static_cast<double>(i) / perEntry); };
+  std::vector<bool> isRough(entries.size(), false);
+  for (std::size_t i = 0; i + 1 < entries.size(); ++i)
+  {
+    const TransferFunction::Entry a = at(i);
+    const TransferFunction::Entry b = at(i + 1);
+    const TransferFunction::Entry middle{ 0.5f * (a.r + b.r), 0.5f * (a.g + b.g), 0.5f * (a.b + b.b),
+      0.5f * (a.extinction + b.extinction) };
+    isRough[i] = differs(a, middle) || differs(middle, b);
+  }
+  for (const TransferFunction::Node& node : transferFunction.nodes())
+  {
+    const double position = transferFunction.position(node.value);
+    const TransferFunction::Entry nearest = at(static_cast<std::size_t>(position + 0.5));
+    if (differs(nearest, node.below) || differs(nearest, node.above))
+    {
+      const auto gap = static_cast<std::size_t>(position);
+      isRough[gap] = true;
+      // Rounding may take a place to the other side of an entry.
+      isRough[gap > 0 ? gap - 1 : 0] = true;
+    }
+  }
+  rough.assign(entries.size(), 0);
+  for (std::size_t i = 1; i < entries.size(); ++i)
+  {
+    rough[i] = rough[i - 1] + isRough[i - 1];
+  }
+}
+
+std::vector<EmissionTerms> VolumeTable::terms(const TransferFunction& transferFunction) const
+{
+  std::vector<EmissionTerms> terms;
   terms.reserve(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i)
   {

@@ -7,9 +7,11 @@
 
 #include "Field/Field.h"
 #include "Field/TransferFunction.h"
+#include "Volume/Kernel/IntegralTable.h"
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace treeamr
@@ -23,14 +25,6 @@ public:
 
   int worldMagnitude() const noexcept { return worldMagnitude_; }
 
-  /// For pre-integration: extinction times colour and extinction, in the order of Entry, and sums of these over the
-  /// entries before each one, in two floats each: the sums, and what rounding left of them.
-  struct Integral
-  {
-    float sum[4];
-    float rest[4];
-    float own[4];
-  };
   /// Makes the integrals, unless they are there. Not for categories.
   void integrate(const TransferFunction& transferFunction);
 
@@ -45,11 +39,14 @@ public:
   std::vector<double> variation;
   /// The same for the changes of these changes.
   std::vector<double> curvature;
-  std::vector<Integral> integrals; // once they are made
+  /// How many of the gaps behind the entries before each one hide what their nearest entry does not show.
+  std::vector<std::uint32_t> rough;
+  std::unique_ptr<const IntegralTable> integrals; // once they are made
 
 private:
   /// Extinction times colour and extinction of all entries.
-  std::vector<std::array<double, 4>> terms(const TransferFunction& transferFunction) const;
+  std::vector<EmissionTerms> terms(const TransferFunction& transferFunction) const;
+  void findRoughGaps(const TransferFunction& transferFunction);
 
   int worldMagnitude_;
   double diagonal_;

@@ -14,6 +14,7 @@
 #endif
 
 #include "Volume/Kernel/VolumeBlocks-inl.h"
+#include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeRays-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
@@ -48,6 +49,7 @@ public:
     , blocks_(scene)
     , table_(&scene.table.entries.data()->r)
     , samplesPerCell_(static_cast<Real>(scene.settings.samplesPerCell))
+    , integralTolerance_(integralTolerance / samplesPerCell_)
   {
   }
 
@@ -352,12 +354,20 @@ private:
   /// A tree without inner nodes: one constant.
   void visitOnlyLeaf(const Box<Real>& box, GroupMask active)
   {
-    if (!octree_.isGhost(0))
+    if (octree_.isGhost(0))
+    {
+      return;
+    }
+    if (!scene_.features.preIntegration)
     {
       integrateConstant(0, box, active);
+      return;
     }
+    const double place = scene_.table.integrals->placeOf(scene_.field.leafValues()[0]);
+    integrate(blocks_.constant(static_cast<Real>(place), 0, true), box, Lattice<Real>(box), active);
   }
 
+  /// Of a category.
   Real positionOf(std::uint64_t leaf) const noexcept
   {
     const float value = scene_.field.leafValues()[leaf];
@@ -493,14 +503,16 @@ private:
     span.samples = hn::IfThenElseZero(crosses, span.samples);
     const IntTag<Real> di;
     hn::Store(hn::Add(hn::Load(di, samples_), nearest<Real>(span.samples)), di, samples_);
-    statistics_.steps += static_cast<std::uint64_t>(mostSamples);
+    statistics_.steps += PreIntegrated ? 0 : static_cast<std::uint64_t>(mostSamples);
 
     Light<Real> light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
       hn::Load(d, blue_ + ray) };
     if constexpr (PreIntegrated)
     {
-      takeIntegrals(scene_.table, span, mostSamples, values, block.toTable, lattice, light);
-      statistics_.litSteps += static_cast<std::uint64_t>(mostSamples);
+      const std::uint64_t steps = takeIntegrals(
+        *scene_.table.integrals, span, integralTolerance_, values, block.toTable, lattice, light);
+      statistics_.steps += steps;
+      statistics_.litSteps += steps;
     }
     else
     {
@@ -535,6 +547,7 @@ private:
   BlockSource<Real> blocks_;
   const float* table_;
   Real samplesPerCell_;
+  Real integralTolerance_;
   std::array<Coord, 3> index_{};
 
   VolumeStatistics statistics_;

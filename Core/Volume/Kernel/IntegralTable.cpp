@@ -1,0 +1,386 @@
+#include "Volume/Kernel/IntegralTable.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace treeamr
+{
+
+namespace
+{
+
+using Entry = TransferFunction::Entry;
+using Node = TransferFunction::Node;
+
+/// A function's nodes, or its entries as nodes.
+std::vector<Node> nodesOf(const TransferFunction& transferFunction)
+{
+  if (!transferFunction.nodes().empty())
+  {
+    return transferFunction.nodes();
+  }
+  const std::vector<Entry>& entries = transferFunction.entries();
+  std::vector<Node> nodes;
+  if (transferFunction.scale() == 0.)
+  {
+    return { { transferFunction.min(), entries.front(), entries.front() } };
+  }
+  nodes.reserve(entries.size());
+  for (std::size_t i = 0; i < entries.size(); ++i)
+  {
+    nodes.push_back(
+      { transferFunction.min() + static_cast<double>(i) / transferFunction.scale(), entries[i], entries[i] });
+  }
+  return nodes;
+}
+
+float toFloat(double x)
+{
+  constexpr double most = std::numeric_limits<float>::max() / 4.f;
+  return static_cast<float>(std::clamp(x, -most, most));
+}
+
+Entry between(const Entry& a, const Entry& b, double f)
+{
+  const auto part = static_cast<float>(f);
+  return { std::lerp(a.r, b.r, part), std::lerp(a.g, b.g, part), std::lerp(a.b, b.b, part),
+    std::lerp(a.extinction, b.extinction, part) };
+}
+
+/// Calls add(part of the way, entry) for what is between two entries, until products of colour and extinction, of which
+/// each is a line, are lines themselves: the colour errs by 1/2048 of a channel.
+template <class Add>
+void divide(const Entry& a, const Entry& b, double begin, double end, const Add& add)
+{
+  constexpr float tolerance = 1.f / 2048.f;
+  const float sum = a.extinction + b.extinction;
+  const float change = std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) });
+  if (!(std::abs(b.extinction - a.extinction) * change > 2.f * tolerance * sum))
+  {
+    return;
+  }
+  const Entry middle = between(a, b, 0.5);
+  const double half = 0.5 * (begin + end);
+  divide(a, middle, begin, half, add);
+  add(half, middle);
+  divide(middle, b, half, end, add);
+}
+
+/// The largest float up to x and the smallest from it on.
+std::array<float, 2> floatsAround(double x)
+{
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  constexpr double most = std::numeric_limits<float>::max();
+  const auto rounded = static_cast<float>(std::clamp(x, -most, most));
+  return { rounded > x && rounded > -most ? std::nextafter(rounded, -infinity) : rounded,
+    rounded < x && rounded < most ? std::nextafter(rounded, infinity) : rounded };
+}
+
+} // namespace
+
+namespace
+{
+
+/// Binary orders of magnitude of places, and of extinctions when products with places must be floats.
+constexpr int largest = 60;
+/// Of what unscale() has left: denser than that nothing is told apart.
+const double densest = std::ldexp(1., largest);
+
+} // namespace
+
+/// Where the function bends or jumps, at a place that a float has.
+struct IntegralTable::Station
+{
+  float place;
+  Entry below;
+  Entry above;
+};
+
+IntegralTable::IntegralTable(const TransferFunction& transferFunction, double unit, double mostExtinction)
+{
+  const std::vector<Node> nodes = nodesOf(transferFunction);
+  const double low = nodes.front().value;
+  const double high = nodes.back().value;
+  reference_ = std::clamp(0., low, high);
+  // Places are values unless floats would leave their range.
+  const double farthest = std::max(high - reference_, reference_ - low);
+  const int magnitude = farthest > 0. ? std::ilogb(farthest) : 0;
+  // No float is between the nodes of a steeper one, and places of all floats stay finite.
+  constexpr int steepest = 800;
+  scale_ = std::abs(magnitude) > largest ? std::ldexp(1., std::min(-magnitude, steepest)) : 1.;
+  unscale_ = std::ldexp(1., std::max(0, std::ilogb(mostExtinction) - largest / 2));
+  const double mostInSums = mostExtinction / unscale_;
+
+  const std::vector<Station> stations = makeStations(transferFunction, unit);
+  makeRows(stations, mostInSums);
+  makeFinestSteps(stations);
+  const Index linear = indexBy(false);
+  Index bits = indexBy(true);
+  index_ = bits.halvings < linear.halvings ? std::move(bits) : linear;
+  places_.insert(places_.end(), std::size_t(1) << index_.halvings, std::numeric_limits<float>::infinity());
+}
+
+namespace
+{
+
+EmissionTerms termsOf(const Entry& e, double mostExtinction = densest)
+{
+  const double extinction = std::min<double>(e.extinction, mostExtinction);
+  return { extinction * e.r, extinction * e.g, extinction * e.b, extinction };
+}
+
+/// Of colours that are both seen.
+double colorChange(const Entry& a, const Entry& b)
+{
+  return a.extinction > 0.f || b.extinction > 0.f
+    ? std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) })
+    : 0.;
+}
+
+} // namespace
+
+/// Without those on lines between others, to 1/4096 of a channel.
+std::vector<IntegralTable::Station> IntegralTable::thinned(const std::vector<Station>& stations)
+{
+  constexpr double tolerance = 1. / 8192.;
+  std::vector<Station> kept;
+  EmissionTerms anchor{};
+  std::array<double, 4> least{}; // slopes of lines from the last one kept that pass all since close enough
+  std::array<double, 4> most{};
+  for (std::size_t i = 0; i < stations.size(); ++i)
+  {
+    const Station& station = stations[i];
+    const EmissionTerms terms = termsOf(station.below);
+    bool follows = i > 0;
+    for (int c = 0; follows && c < 4; ++c)
+    {
+      const double slope = (terms[c] - anchor[c]) / (static_cast<double>(station.place) - kept.back().place);
+      follows = slope >= least[c] && slope <= most[c];
+    }
+    if (i > 0 && !follows)
+    {
+      kept.push_back(stations[i - 1]);
+      anchor = termsOf(kept.back().above);
+    }
+    if (i == 0 || i + 1 == stations.size() || !(station.below == station.above))
+    {
+      kept.push_back(station);
+      anchor = termsOf(station.above);
+    }
+    const bool isKept = i > 0 && kept.back().place == station.place;
+    if (i == 0 || isKept || !follows)
+    {
+      least.fill(-std::numeric_limits<double>::infinity());
+      most.fill(std::numeric_limits<double>::infinity());
+    }
+    if (kept.back().place < station.place)
+    {
+      const double width = static_cast<double>(station.place) - kept.back().place;
+      const double error = tolerance * station.below.extinction;
+      for (int c = 0; c < 4; ++c)
+      {
+        least[c] = std::max(least[c], (terms[c] - error - anchor[c]) / width);
+        most[c] = std::min(most[c], (terms[c] + error - anchor[c]) / width);
+      }
+    }
+  }
+  return kept;
+}
+
+std::vector<IntegralTable::Station> IntegralTable::makeStations(
+  const TransferFunction& transferFunction, double unit) const
+{
+  const std::vector<Node> nodes = nodesOf(transferFunction);
+  std::vector<Station> stations;
+  const auto add = [&](double value, const Entry& below, const Entry& above) {
+    Station station{ toFloat(placeOf(value)), below, above };
+    for (Entry* entry : { &station.below, &station.above })
+    {
+      entry->extinction = static_cast<float>(std::min<double>(entry->extinction * unit / unscale_, densest));
+    }
+    if (!stations.empty() && station.place <= stations.back().place)
+    {
+      stations.back().above = station.above;
+      return;
+    }
+    stations.push_back(station);
+  };
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+  {
+    const Node& node = nodes[i];
+    const auto [low, high] = floatsAround(node.value);
+    // No float is between these two: the function is theirs, wherever it bends or jumps in between.
+    constexpr double fine = 0x1p12;
+    const double spacing = fine * (static_cast<double>(high) - low);
+    const bool isFine = (i > 0 && node.value - nodes[i - 1].value < spacing) ||
+      (i + 1 < nodes.size() && nodes[i + 1].value - node.value < spacing);
+    if (low != high && isFine)
+    {
+      add(low, transferFunction.at(low), transferFunction.at(low));
+      const auto reached = std::lower_bound(nodes.begin(), nodes.end(), static_cast<double>(high),
+        [](const Node& n, double value) { return n.value < value; });
+      const bool isNode = reached != nodes.end() && reached->value == high;
+      add(high, isNode ? reached->below : transferFunction.at(high), transferFunction.at(high));
+    }
+    else
+    {
+      add(high, node.below, node.above);
+    }
+    if (i + 1 < nodes.size())
+    {
+      const Node& next = nodes[i + 1];
+      divide(node.above, next.below, 0., 1.,
+        [&](double part, const Entry& entry) { add(std::lerp(node.value, next.value, part), entry, entry); });
+    }
+  }
+  return thinned(stations);
+}
+
+void IntegralTable::makeRows(const std::vector<Station>& stations, double mostInSums)
+{
+  const std::size_t count = stations.size();
+  rows_.resize(count + 2); // one more, that lanes may read
+  variation_.assign(count + 2, 0.);
+  places_.reserve(count + 1);
+  places_.push_back(stations.front().place);
+  EmissionTerms sum{};
+  double colors = 0.;
+  for (std::size_t r = 0; r <= count; ++r)
+  {
+    const bool isInside = r > 0 && r < count;
+    const Entry& begin = r > 0 ? stations[r - 1].above : stations.front().below;
+    const Entry& end = isInside ? stations[r].below : begin;
+    const Entry& next = r < count ? stations[r].above : end;
+    const double width = isInside ? static_cast<double>(stations[r].place) - stations[r - 1].place : 0.;
+    const EmissionTerms own = termsOf(begin);
+    const EmissionTerms atEnd = termsOf(end);
+    const EmissionTerms ownInSums = termsOf(begin, mostInSums);
+    const EmissionTerms endInSums = termsOf(end, mostInSums);
+    const EmissionTerms nextInSums = termsOf(next, mostInSums);
+    Row& row = rows_[r];
+    double change = 0.;
+    double jump = 0.;
+    for (int c = 0; c < 4; ++c)
+    {
+      row.own[c] = static_cast<float>(own[c]);
+      row.slope[c] = width > 0. ? toFloat((atEnd[c] - own[c]) / width) : 0.f;
+      row.sum[c] = static_cast<float>(sum[c]);
+      row.rest[c] = static_cast<float>(sum[c] - row.sum[c]);
+      sum[c] += 0.5 * (ownInSums[c] + endInSums[c]) * width;
+      change = std::max(change, std::abs(endInSums[c] - ownInSums[c]));
+      jump = std::max(jump, std::abs(nextInSums[c] - endInSums[c]));
+    }
+    variation_[r + 1] = variation_[r] + (change + jump) * unscale_;
+    const double ofRow = colorChange(begin, end);
+    colorChanges_.push_back({ static_cast<float>(colors), width > 0. ? toFloat(ofRow / width) : 0.f });
+    colors += ofRow + (end.extinction > 0.f && next.extinction > 0.f ? colorChange(end, next) : 0.);
+    if (r > 0)
+    {
+      places_.push_back(stations[r - 1].place);
+    }
+  }
+}
+
+void IntegralTable::makeFinestSteps(const std::vector<Station>& stations)
+{
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  constexpr float channelSteps = 256.f;                   // rounding errs by half of one
+  const auto faint = static_cast<float>(0.01 / unscale_); // of extinctions across the domain
+  const std::size_t count = stations.size();
+  std::vector<float> finest(count + 1, infinity);
+  const auto change = [faint](const Entry& a, const Entry& b) {
+    const float extinction = std::max(a.extinction, b.extinction);
+    return extinction == 0.f ? 0.f
+                             : std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b),
+                                 std::abs(b.extinction - a.extinction) / std::max(extinction, faint) });
+  };
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    if (change(stations[i].below, stations[i].above) > 1.f / channelSteps)
+    {
+      finest[i] = finest[i + 1] = 0.f;
+    }
+    if (i + 1 < count)
+    {
+      const float c = change(stations[i].above, stations[i + 1].below);
+      const float width = stations[i + 1].place - stations[i].place;
+      finest[i + 1] = c > 0.f ? std::min(finest[i + 1], width / (c * channelSteps)) : finest[i + 1];
+    }
+  }
+  finestSteps_.push_back(std::move(finest));
+  for (std::size_t width = 1; 2 * width <= count + 1; width *= 2)
+  {
+    const std::vector<float>& half = finestSteps_.back();
+    std::vector<float> whole(half.size() - width);
+    for (std::size_t i = 0; i < whole.size(); ++i)
+    {
+      whole[i] = std::min(half[i], half[i + width]);
+    }
+    finestSteps_.push_back(std::move(whole));
+  }
+}
+
+float IntegralTable::finestStep(std::size_t firstRow, std::size_t lastRow) const noexcept
+{
+  const std::size_t level = std::bit_width(lastRow - firstRow + 1) - 1;
+  const std::vector<float>& steps = finestSteps_[level];
+  return std::min(steps[firstRow], steps[lastRow + 1 - (std::size_t(1) << level)]);
+}
+
+std::size_t IntegralTable::rowOf(double place) const noexcept
+{
+  const auto begin = places_.begin() + 1;
+  const auto end = places_.begin() + static_cast<std::ptrdiff_t>(rows_.size() - 1);
+  return static_cast<std::size_t>(std::upper_bound(begin, end, place) - begin);
+}
+
+IntegralTable::Index IntegralTable::indexBy(bool bits) const
+{
+  constexpr std::int32_t cells = 4096;
+  const float first = places_[1];
+  const float last = places_.back();
+  Index index;
+  index.byBits = bits;
+  index.first = first;
+  index.last = last;
+  const auto order = [](float place) { return orderedBits(std::bit_cast<std::int32_t>(place)); };
+  if (bits)
+  {
+    const auto width = static_cast<std::uint64_t>(std::int64_t(order(last)) - order(first));
+    index.shift = std::max(
+      1, static_cast<int>(std::bit_width(width)) - static_cast<int>(std::bit_width(unsigned(cells))) + 1);
+    index.firstBits = order(first) >> index.shift;
+    index.lastCell = (order(last) >> index.shift) - index.firstBits;
+  }
+  else
+  {
+    index.cellsPerPlace = last > first ? static_cast<float>(cells - 1) / (last - first) : 0.f;
+    index.lastCell = cells - 1;
+  }
+  // As the kernel counts them.
+  const auto cellOf = [&](float place) {
+    const std::int32_t cell = bits ? (order(place) >> index.shift) - index.firstBits
+                                   : static_cast<std::int32_t>((place - first) * index.cellsPerPlace);
+    return static_cast<std::size_t>(std::min(cell, index.lastCell));
+  };
+  std::vector<std::int32_t> rows(static_cast<std::size_t>(index.lastCell) + 1, 0); // in each cell
+  for (std::size_t r = 1; r + 1 < rows_.size(); ++r)
+  {
+    ++rows[cellOf(places_[r])];
+  }
+  index.firstRow.reserve(rows.size());
+  std::int32_t before = 0;
+  std::int32_t most = 0;
+  for (const std::int32_t inCell : rows)
+  {
+    index.firstRow.push_back(static_cast<float>(before));
+    before += inCell;
+    most = std::max(most, inCell);
+  }
+  index.halvings = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(most)));
+  return index;
+}
+
+} // namespace treeamr

@@ -1,0 +1,443 @@
+// Steps of rays by the transfer function's integrals: over all values that the field covers in a step, however the
+// function bends or jumps there. Compiled once for each instruction set, as Highway wants it.
+//
+// A step is compared with its two halves, and cut until these make no difference that is seen. So what is opaque hides
+// what lies behind it in the step, and where nothing bends a step is as long as it may be.
+#if defined(TREEAMR_VOLUMEINTEGRALS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREEAMR_VOLUMEINTEGRALS_INL_H
+#undef TREEAMR_VOLUMEINTEGRALS_INL_H
+#else
+#define TREEAMR_VOLUMEINTEGRALS_INL_H
+#endif
+
+#include "Volume/Kernel/IntegralTable.h"
+#include "Volume/Kernel/VolumeSampling-inl.h"
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+/// By which a step may differ from its halves in a channel of the picture, at one sample a cell.
+constexpr float integralTolerance = 1.f / 1024.f;
+/// Of the light, held back by half a step in whose front something may hide its back.
+constexpr float dense = 0.1f;
+/// By which the colour of such a step may err.
+constexpr float partOfColors = 1.f / 16.f;
+/// Of the table.
+constexpr float widestStep = 8.f;
+/// Halvings of a step at most.
+constexpr float shortestStep = 0x1p-14f;
+
+template <class Real>
+HWY_INLINE Reals<Real> half()
+{
+  return hn::Set(RealTag<Real>(), Real(0.5));
+}
+
+/// Places in the table, their rows, and the function there.
+template <class Real>
+struct Places
+{
+  Reals<Real> at;
+  Reals<Real> row; // whole numbers
+  Reals<Real> term[4];
+};
+
+template <class Real>
+HWY_INLINE Reals<Real> findRows(const IntegralTable& table, Reals<Real> at)
+{
+  const RealTag<Real> d;
+  const IntTag<Real> di;
+  const hn::Rebind<float, RealTag<Real>> df;
+  const IntegralTable::Index& index = table.index();
+  hn::Vec<decltype(df)> place;
+  if constexpr (std::is_same_v<Real, float>)
+  {
+    place = at;
+  }
+  else
+  {
+    place = hn::DemoteTo(df, at);
+  }
+  place = hn::Min(hn::Max(place, hn::Set(df, index.first)), hn::Set(df, index.last));
+  Ints<Real> cell;
+  if (index.byBits)
+  {
+    const Ints<Real> bits = hn::BitCast(di, place);
+    const Ints<Real> ordered = hn::Xor(bits, hn::And(hn::BroadcastSignBit(bits), hn::Set(di, 0x7fffffff)));
+    cell = hn::Sub(hn::ShiftRightSame(ordered, index.shift), hn::Set(di, index.firstBits));
+  }
+  else
+  {
+    cell =
+      hn::ConvertTo(di, hn::Mul(hn::Sub(place, hn::Set(df, index.first)), hn::Set(df, index.cellsPerPlace)));
+  }
+  Reals<Real> row = gather<Real>(index.firstRow.data(), hn::Min(cell, hn::Set(di, index.lastCell)));
+  for (int step = (1 << index.halvings) >> 1; step > 0; step >>= 1)
+  {
+    const Reals<Real> candidate = hn::Add(row, hn::Set(d, static_cast<Real>(step)));
+    const Mask<Real> reached = hn::Ge(at, gather<Real>(table.places(), truncated<Real>(candidate)));
+    row = hn::IfThenElse(reached, candidate, row);
+  }
+  return row;
+}
+
+constexpr int rowSize = sizeof(IntegralTable::Row) / sizeof(float);
+
+template <class Real>
+HWY_INLINE Places<Real> findPlaces(const IntegralTable& table, Reals<Real> at)
+{
+  const IntTag<Real> di;
+  Places<Real> places;
+  places.at = at;
+  places.row = findRows<Real>(table, at);
+  const Ints<Real> row = truncated<Real>(places.row);
+  const Reals<Real> inRow = hn::Sub(at, gather<Real>(table.places(), row));
+  const Ints<Real> index = hn::Mul(row, hn::Set(di, rowSize));
+  for (int c = 0; c < 4; ++c)
+  {
+    places.term[c] = mulAdd(
+      gather<Real>(table.rows()[0].slope + c, index), inRow, gather<Real>(table.rows()[0].own + c, index));
+  }
+  return places;
+}
+
+/// Integrals of the terms up to places, in two parts: those of rows, and what is little beside them.
+template <class Real>
+struct Sums
+{
+  Reals<Real> inRow; // where the places are
+  Reals<Real> sum[4];
+  Reals<Real> rest[4];
+};
+
+template <class Real>
+HWY_INLINE Sums<Real> findSums(const IntegralTable& table, const Places<Real>& places)
+{
+  const IntTag<Real> di;
+  const Ints<Real> row = truncated<Real>(places.row);
+  Sums<Real> sums;
+  sums.inRow = hn::Sub(places.at, gather<Real>(table.places(), row));
+  const Reals<Real> halfInRow = hn::Mul(sums.inRow, half<Real>());
+  const Ints<Real> index = hn::Mul(row, hn::Set(di, rowSize));
+  for (int c = 0; c < 4; ++c)
+  {
+    sums.sum[c] = gather<Real>(table.rows()[0].sum + c, index);
+    sums.rest[c] = mulAdd(halfInRow, hn::Add(places.term[c], gather<Real>(table.rows()[0].own + c, index)),
+      gather<Real>(table.rows()[0].rest + c, index));
+  }
+  return sums;
+}
+
+/// Means over what lies between two places.
+template <class Real>
+HWY_INLINE void meanByEnds(const Places<Real>& a, const Places<Real>& b, Reals<Real> (&mean)[4])
+{
+  for (int c = 0; c < 4; ++c)
+  {
+    mean[c] = hn::Mul(hn::Add(a.term[c], b.term[c]), half<Real>());
+  }
+}
+
+/// The same of narrow steps from row to row, from the ends of what lies in either: sums from where rows begin would
+/// leave their differences no digits.
+template <class Real>
+HWY_NOINLINE void meanOfNarrow(const IntegralTable& table, const Places<Real>& a, const Places<Real>& b,
+  Mask<Real> narrow, Reals<Real> (&mean)[4])
+{
+  const RealTag<Real> d;
+  const IntTag<Real> di;
+  const IntegralTable::Row& rows = table.rows()[0];
+  const Mask<Real> rises = hn::Le(a.at, b.at);
+  const Reals<Real> low = hn::Min(a.at, b.at);
+  const Reals<Real> high = hn::Max(a.at, b.at);
+  const Ints<Real> lowRow = truncated<Real>(hn::Min(a.row, b.row));
+  const Ints<Real> highRow = truncated<Real>(hn::Max(a.row, b.row));
+  const Ints<Real> from = hn::Mul(lowRow, hn::Set(di, rowSize));
+  const Ints<Real> next = hn::Add(from, hn::Set(di, rowSize));
+  const Ints<Real> to = hn::Mul(highRow, hn::Set(di, rowSize));
+  const Reals<Real> toEnd =
+    hn::Sub(hn::Min(high, gather<Real>(table.places(), hn::Add(lowRow, hn::Set(di, 1)))), low);
+  const Reals<Real> inHigh = hn::Sub(high, gather<Real>(table.places(), highRow));
+  const Reals<Real> perPlace =
+    hn::Div(hn::Set(d, Real(1)), hn::IfThenElse(narrow, hn::Sub(high, low), hn::Set(d, Real(1))));
+  for (int c = 0; c < 4; ++c)
+  {
+    const Reals<Real> ofLow = hn::IfThenElse(rises, a.term[c], b.term[c]);
+    const Reals<Real> ofHigh = hn::IfThenElse(rises, b.term[c], a.term[c]);
+    const Reals<Real> inLow = mulAdd(hn::Mul(toEnd, half<Real>()), gather<Real>(rows.slope + c, from), ofLow);
+    const Reals<Real> begin = hn::Mul(hn::Add(ofHigh, gather<Real>(rows.own + c, to)), half<Real>());
+    const Reals<Real> between =
+      hn::Add(hn::Sub(gather<Real>(rows.sum + c, to), gather<Real>(rows.sum + c, next)),
+        hn::Sub(gather<Real>(rows.rest + c, to), gather<Real>(rows.rest + c, next)));
+    const Reals<Real> all = mulAdd(inLow, toEnd, mulAdd(begin, inHigh, between));
+    mean[c] = hn::IfThenElse(narrow, hn::Mul(all, perPlace), mean[c]);
+  }
+}
+
+/// The same where rows may differ.
+template <class Real>
+HWY_INLINE void meanBySums(const IntegralTable& table, const Places<Real>& a, const Sums<Real>& sumsOfA,
+  const Places<Real>& b, const Sums<Real>& sumsOfB, Reals<Real> (&mean)[4])
+{
+  const RealTag<Real> d;
+  const Reals<Real> rise = hn::Sub(b.at, a.at);
+  constexpr Real narrow = std::is_same_v<Real, float> ? 0x1p-12 : 0x1p-24;
+  const Reals<Real> least = hn::Mul(hn::Max(sumsOfA.inRow, sumsOfB.inRow), hn::Set(d, narrow));
+  const Mask<Real> crosses = hn::Ne(a.row, b.row);
+  const Mask<Real> isWide = hn::And(crosses, hn::Gt(hn::Abs(rise), least));
+  const Reals<Real> perPlace =
+    hn::Div(hn::Set(d, Real(1)), hn::IfThenElse(isWide, rise, hn::Set(d, Real(1))));
+  for (int c = 0; c < 4; ++c)
+  {
+    const Reals<Real> integral =
+      hn::Add(hn::Sub(sumsOfB.sum[c], sumsOfA.sum[c]), hn::Sub(sumsOfB.rest[c], sumsOfA.rest[c]));
+    mean[c] = hn::IfThenElse(isWide, hn::Mul(integral, perPlace), mean[c]);
+  }
+  const Mask<Real> isNarrow = hn::AndNot(isWide, crosses);
+  if (!hn::AllFalse(d, isNarrow))
+  {
+    meanOfNarrow<Real>(table, a, b, isNarrow, mean);
+  }
+  mean[3] = hn::ZeroIfNegative(mean[3]); // rounding
+}
+
+/// Light that a step adds: red, green, blue, and what it holds back of the light.
+template <class Real>
+struct Emission
+{
+  Reals<Real> term[4];
+};
+
+/// transmittance: before the step. depth: of a unit of the mean's extinction, in binary orders of magnitude.
+template <class Real>
+HWY_INLINE Emission<Real> emission(const Reals<Real> (&mean)[4], Reals<Real> depth, Reals<Real> transmittance)
+{
+  const RealTag<Real> d;
+  const Reals<Real> weight = hn::Mul(transmittance, heldBack(hn::Neg(hn::Mul(mean[3], depth))));
+  // None where there is no extinction.
+  const Reals<Real> perExtinction =
+    hn::IfThenElseZero(hn::Gt(mean[3], hn::Zero(d)), hn::Div(weight, mean[3]));
+  return { { hn::Mul(perExtinction, mean[0]), hn::Mul(perExtinction, mean[1]),
+    hn::Mul(perExtinction, mean[2]), weight } };
+}
+
+/// Steps to the octants' faces, between which the field is smooth.
+template <class Real>
+class ToFaces
+{
+public:
+  explicit HWY_INLINE ToFaces(const Span<Real>& span)
+    : span_(span)
+  {
+    const RealTag<Real> d;
+    for (int a = 0; a < 3; ++a)
+    {
+      // Of a ray along a face none is ahead.
+      const Reals<Real> slope = hn::Mul(span.slope[a], span.step);
+      slope_[a] = hn::CopySign(hn::Max(hn::Abs(slope), hn::Set(d, Real(1e-20))), slope);
+      perSlope_[a] = hn::Div(hn::Set(d, Real(1)), slope_[a]);
+    }
+  }
+
+  /// In samples; `at`: of the way.
+  HWY_INLINE Reals<Real> operator()(Reals<Real> at) const
+  {
+    const RealTag<Real> d;
+    Reals<Real> nearest = hn::Set(d, std::numeric_limits<Real>::max());
+    for (int a = 0; a < 3; ++a)
+    {
+      const Reals<Real> position = mulAdd(at, slope_[a], span_.start[a]);
+      // Not to the face that it is on.
+      const Reals<Real> ahead = hn::Add(position, hn::CopySign(hn::Set(d, Real(0x1p-10)), slope_[a]));
+      const Reals<Real> face =
+        hn::IfThenElse(hn::Lt(slope_[a], hn::Zero(d)), hn::Floor(ahead), hn::Ceil(ahead));
+      nearest = hn::Min(nearest, hn::Mul(hn::Sub(face, position), perSlope_[a]));
+    }
+    return nearest;
+  }
+
+private:
+  const Span<Real>& span_;
+  Reals<Real> slope_[3]; // of the lattice per sample
+  Reals<Real> perSlope_[3];
+};
+
+/// How far colours have changed up to a place.
+template <class Real>
+HWY_INLINE Reals<Real> colorChange(const IntegralTable& table, const Places<Real>& places)
+{
+  const Ints<Real> row = truncated<Real>(places.row);
+  const float* const changes = &table.colorChanges()[0].before;
+  const Ints<Real> index = hn::Add(row, row);
+  return mulAdd(gather<Real>(changes + 1, index), hn::Sub(places.at, gather<Real>(table.places(), row)),
+    gather<Real>(changes, index));
+}
+
+/// Where in a step the field turns beyond all rows of three of its places, so that none of them tells what the function
+/// does there: the first such part of the way, or 1. In an octant the field is a cubic, known from four places: at both
+/// ends, in the middle and at a quarter of the way.
+template <class Real>
+HWY_INLINE Reals<Real> turningPoint(const IntegralTable& table, const Places<Real>& begin,
+  Reals<Real> quarter, const Places<Real>& middle, const Places<Real>& end)
+{
+  const RealTag<Real> d;
+  const auto times = [d](Real factor, Reals<Real> v) { return hn::Mul(hn::Set(d, factor), v); };
+  const Reals<Real> one = hn::Set(d, Real(1));
+  const Reals<Real> rise = hn::Sub(middle.at, begin.at);
+  // begin + slope u + bend u^2 + cubic u (u - 1/2) (u - 1)
+  const Reals<Real> bend = times(2, hn::Sub(hn::Sub(end.at, middle.at), rise));
+  const Reals<Real> slope = hn::Sub(times(2, rise), times(Real(0.5), bend));
+  const Reals<Real> ofParabola =
+    mulAdd(hn::Set(d, Real(0.25)), slope, mulAdd(hn::Set(d, Real(0.0625)), bend, begin.at));
+  const Reals<Real> cubic = times(Real(64) / 3, hn::Sub(quarter, ofParabola));
+  // Roots of the derivative, neither by a difference of near numbers.
+  const Reals<Real> a = times(3, cubic);
+  const Reals<Real> b = hn::Sub(times(2, bend), a);
+  const Reals<Real> c = mulAdd(half<Real>(), cubic, slope);
+  const Reals<Real> squared = hn::Sub(hn::Mul(b, b), times(4, hn::Mul(a, c)));
+  const Reals<Real> sum =
+    times(Real(-0.5), hn::Add(b, hn::CopySign(hn::Sqrt(hn::Max(squared, hn::Zero(d))), b)));
+  Reals<Real> first = one;
+  for (const Reals<Real> root : { hn::Div(sum, a), hn::Div(c, sum) })
+  {
+    // Of the ends themselves nothing new is known. NaN is no place.
+    constexpr Real least = 0.01;
+    const Mask<Real> isInside = hn::And(hn::Ge(squared, hn::Zero(d)),
+      hn::And(hn::Gt(root, hn::Set(d, least)), hn::Lt(root, hn::Set(d, 1 - least))));
+    if (hn::AllFalse(d, isInside))
+    {
+      continue;
+    }
+    const Reals<Real> u = hn::IfThenElseZero(isInside, root);
+    const Reals<Real> shape = hn::Mul(hn::Mul(u, hn::Sub(u, half<Real>())), hn::Sub(u, one));
+    const Reals<Real> turn = mulAdd(cubic, shape, mulAdd(u, mulAdd(bend, u, slope), begin.at));
+    const Reals<Real> row = findRows<Real>(table, turn);
+    const Mask<Real> isBeyond = hn::Or(hn::Lt(row, hn::Min(hn::Min(begin.row, middle.row), end.row)),
+      hn::Gt(row, hn::Max(hn::Max(begin.row, middle.row), end.row)));
+    first = hn::IfThenElse(hn::And(isInside, isBeyond), hn::Min(first, u), first);
+  }
+  return first;
+}
+
+/// Takes rays through their samples; how many steps of the vector that took.
+template <class Real, class Values>
+HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Real>& span, Real tolerance,
+  const Values& values, const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
+{
+  const RealTag<Real> d;
+  const Reals<Real> zero = hn::Zero(d);
+  const Reals<Real> one = hn::Set(d, Real(1));
+  const Reals<Real> depthPerSample =
+    hn::Mul(span.depthPerExtinction, hn::Set(d, static_cast<Real>(std::numbers::log2e * table.unscale())));
+  Reals<Real> at = zero;    // in samples
+  Reals<Real> wanted = one; // size of the next step
+  Reals<Real> start[1];
+  const Reals<Real> starts[1] = { zero };
+  sample(span, starts, values, toTable, lattice, start);
+  Places<Real> before = findPlaces<Real>(table, start[0]);
+  const ToFaces<Real> toFaces(span);
+  const Reals<Real> tableBegin = hn::Set(d, Real(table.index().first));
+  const Reals<Real> tableEnd = hn::Set(d, Real(table.index().last));
+  const Reals<Real> widest = hn::Mul(hn::Set(d, Real(widestStep)), hn::Sub(tableEnd, tableBegin));
+  std::uint64_t steps = 0;
+  for (;;)
+  {
+    const Mask<Real> active =
+      hn::And(hn::Lt(at, span.samples), hn::Gt(light.transmittance, hn::Set(d, Real(opaqueTransmittance))));
+    if (hn::AllFalse(d, active))
+    {
+      return steps;
+    }
+    ++steps;
+    const Reals<Real> size = hn::Min(hn::Min(wanted, toFaces(at)), hn::Sub(span.samples, at));
+    const Reals<Real> halfSize = hn::Mul(size, half<Real>());
+    const Reals<Real> ends[3] = { hn::Add(at, halfSize), hn::Add(at, size),
+      mulAdd(size, hn::Set(d, Real(0.25)), at) };
+    Reals<Real> position[3];
+    sample(span, ends, values, toTable, lattice, position);
+    const Places<Real> middle = findPlaces<Real>(table, position[0]);
+    const Places<Real> after = findPlaces<Real>(table, position[1]);
+    Reals<Real> mean[3][4]; // of both halves, and of the whole
+    meanByEnds(before, middle, mean[0]);
+    meanByEnds(middle, after, mean[1]);
+    meanByEnds(before, after, mean[2]);
+    if (!hn::AllTrue(d, hn::And(hn::Eq(before.row, middle.row), hn::Eq(middle.row, after.row))))
+    {
+      const Sums<Real> sums[3] = { findSums(table, before), findSums(table, middle), findSums(table, after) };
+      meanBySums(table, before, sums[0], middle, sums[1], mean[0]);
+      meanBySums(table, middle, sums[1], after, sums[2], mean[1]);
+      meanBySums(table, before, sums[0], after, sums[2], mean[2]);
+    }
+    const Reals<Real> halfDepth = hn::Mul(halfSize, depthPerSample);
+    const Emission<Real> first = emission<Real>(mean[0], halfDepth, light.transmittance);
+    const Emission<Real> second =
+      emission<Real>(mean[1], halfDepth, hn::Sub(light.transmittance, first.term[3]));
+    const Emission<Real> whole = emission<Real>(mean[2], hn::Mul(size, depthPerSample), light.transmittance);
+    Reals<Real> both[4];
+    Reals<Real> error = zero;
+    for (int c = 0; c < 4; ++c)
+    {
+      both[c] = hn::Add(first.term[c], second.term[c]);
+      error = hn::Max(error, hn::Abs(hn::Sub(both[c], whole.term[c])));
+    }
+    // What holds much light back shows its front: where its colours differ, halves may agree by chance.
+    const Mask<Real> isDense =
+      hn::And(active, hn::Gt(hn::Max(first.term[3], second.term[3]), hn::Set(d, Real(dense))));
+    if (!hn::AllFalse(d, isDense))
+    {
+      const Reals<Real> inMiddle = colorChange<Real>(table, middle);
+      const Reals<Real> front =
+        hn::Mul(first.term[3], hn::Abs(hn::Sub(inMiddle, colorChange<Real>(table, before))));
+      const Reals<Real> back =
+        hn::Mul(second.term[3], hn::Abs(hn::Sub(colorChange<Real>(table, after), inMiddle)));
+      error = hn::Max(
+        error, hn::IfThenElseZero(isDense, hn::Mul(hn::Max(front, back), hn::Set(d, Real(partOfColors)))));
+    }
+    // A little of what would be much where the field is flat: halves show more and more of it.
+    const Reals<Real> least = hn::Max(hn::Mul(both[3], half<Real>()), hn::Set(d, tolerance * Real(0x1p-10)));
+    const Mask<Real> grows = hn::Gt(hn::Sub(both[3], whole.term[3]), least);
+    // Of a step that goes far beyond the table little is in it, and three places tell little of that.
+    const Reals<Real> ahead = hn::Max(before.at, after.at);
+    const Reals<Real> behind = hn::Min(before.at, after.at);
+    const Mask<Real> isWide = hn::And(
+      hn::Gt(hn::Sub(ahead, behind), widest), hn::And(hn::Gt(ahead, tableBegin), hn::Lt(behind, tableEnd)));
+    const Reals<Real> turn = turningPoint<Real>(table, before, position[2], middle, after);
+    const Mask<Real> goesOn = hn::Eq(turn, one);
+    const Mask<Real> agrees = hn::AndNot(hn::Or(grows, isWide), hn::Le(error, hn::Set(d, tolerance)));
+    // Shorter steps would not lead anywhere: a place far along the way has no digits for them.
+    const Reals<Real> shortest =
+      hn::Max(hn::Set(d, Real(shortestStep)), hn::Mul(at, hn::Set(d, Real(0x1p-20))));
+    const Mask<Real> isFine = hn::Or(hn::And(goesOn, agrees), hn::Le(size, shortest));
+    const Mask<Real> taken = hn::And(active, isFine);
+    light.red = hn::Add(light.red, hn::IfThenElseZero(taken, both[0]));
+    light.green = hn::Add(light.green, hn::IfThenElseZero(taken, both[1]));
+    light.blue = hn::Add(light.blue, hn::IfThenElseZero(taken, both[2]));
+    light.opacity = hn::Add(light.opacity, hn::IfThenElseZero(taken, both[3]));
+    light.transmittance = hn::Sub(light.transmittance, hn::IfThenElseZero(taken, both[3]));
+    before.at = hn::IfThenElse(taken, after.at, before.at);
+    before.row = hn::IfThenElse(taken, after.row, before.row);
+    for (int c = 0; c < 4; ++c)
+    {
+      before.term[c] = hn::IfThenElse(taken, after.term[c], before.term[c]);
+    }
+    at = hn::IfThenElse(taken, ends[1], at);
+    const Reals<Real> shorter = hn::Max(hn::IfThenElse(goesOn, halfSize, hn::Mul(turn, size)), shortest);
+    wanted = hn::IfThenElse(isFine, hn::Min(hn::Add(wanted, wanted), one), shorter);
+  }
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#endif

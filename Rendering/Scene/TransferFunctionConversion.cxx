@@ -1,0 +1,441 @@
+#include "TransferFunctionConversion.h"
+
+#include "Error.h"
+
+#include "vtkColorTransferFunction.h"
+#include "vtkDataArray.h"
+#include "vtkNew.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace treeamr
+{
+
+namespace
+{
+
+using Entry = TransferFunction::Entry;
+using Node = TransferFunction::Node;
+using Color = std::array<double, 3>;
+
+/// A function between neighbouring nodes of it, by VTK's evaluation of a function of these two alone: that of the whole
+/// one passes all of its nodes, for each value.
+class Opacities
+{
+public:
+  explicit Opacities(vtkPiecewiseFunction* function)
+    : function_(function)
+  {
+    for (int i = 0; i < function_->GetSize(); ++i)
+    {
+      function_->GetNodeValue(i, nodes_.emplace_back().data());
+    }
+    segment_->SetUseLogScale(function_->GetUseLogScale() && !nodes_.empty() && nodes_.front()[0] > 0.);
+  }
+
+  std::size_t count() const { return nodes_.size(); }
+  double node(std::size_t i) const { return nodes_[i][0]; }
+  /// From now on for values from node i - 1 to node i, or beyond an end.
+  void choose(std::size_t i)
+  {
+    isInside_ = i > 0 && i < nodes_.size();
+    if (isInside_)
+    {
+      segment_->RemoveAllPoints();
+      for (const auto& [x, y, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
+      {
+        segment_->AddPoint(x, y, midpoint, sharpness);
+      }
+    }
+  }
+  double at(double value) { return isInside_ ? segment_->GetValue(value) : function_->GetValue(value); }
+
+private:
+  vtkPiecewiseFunction* function_;
+  std::vector<std::array<double, 4>> nodes_;
+  vtkNew<vtkPiecewiseFunction> segment_;
+  bool isInside_ = false;
+};
+
+/// The same of colours. Of what ParaView shows on surfaces in few colours VTK's volume mappers know nothing: they ask
+/// for a table of the function, as here.
+class Colors
+{
+public:
+  /// Of values of a part.
+  Colors(vtkColorTransferFunction* function, double min, double max)
+    : function_(function)
+  {
+    for (int i = 0; i < function_->GetSize(); ++i)
+    {
+      function_->GetNodeValue(i, nodes_.emplace_back().data());
+    }
+    isLogarithmic_ = function_->GetScale() == VTK_CTF_LOG10 && !nodes_.empty() && nodes_.front()[0] > 0.;
+    segment_->SetColorSpace(function_->GetColorSpace());
+    segment_->SetHSVWrap(function_->GetHSVWrap());
+    segment_->SetScale(isLogarithmic_ ? VTK_CTF_LOG10 : VTK_CTF_LINEAR);
+    if (function_->GetColorSpace() == VTK_CTF_LAB_CIEDE2000 && nodes_.size() > 1)
+    {
+      makeTable(min, max);
+    }
+  }
+
+  std::size_t count() const { return nodes_.size(); }
+  double node(std::size_t i) const { return nodes_[i][0]; }
+  void choose(std::size_t i)
+  {
+    isInside_ = i > 0 && i < nodes_.size();
+    if (isInside_ && table_.empty())
+    {
+      segment_->RemoveAllPoints();
+      for (const auto& [x, r, g, b, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
+      {
+        segment_->AddRGBPoint(x, r, g, b, midpoint, sharpness);
+      }
+    }
+  }
+  Color at(double value)
+  {
+    if (isInside_ && !table_.empty())
+    {
+      return inTable(value);
+    }
+    Color color;
+    (isInside_ ? segment_ : function_)->GetTable(value, value, 1, color.data());
+    return color;
+  }
+
+private:
+  /// Each call finds the way between two colours anew, for half a second: one call for all.
+  void makeTable(double min, double max)
+  {
+    constexpr int size = 4096;
+    first_ = std::max(min, nodes_.front()[0]);
+    last_ = std::min(max, nodes_.back()[0]);
+    if (first_ < last_)
+    {
+      table_.resize(size);
+      function_->GetTable(first_, last_, size, table_.front().data());
+    }
+  }
+  Color inTable(double value) const
+  {
+    const double part = isLogarithmic_ ? std::log(value / first_) / std::log(last_ / first_)
+                                       : (value - first_) / (last_ - first_);
+    const double place = std::clamp(part, 0., 1.) * static_cast<double>(table_.size() - 1);
+    const std::size_t i = std::min(static_cast<std::size_t>(place), table_.size() - 2);
+    Color color;
+    for (int c = 0; c < 3; ++c)
+    {
+      color[c] = std::lerp(table_[i][c], table_[i + 1][c], place - static_cast<double>(i));
+    }
+    return color;
+  }
+
+  vtkColorTransferFunction* function_;
+  std::vector<std::array<double, 6>> nodes_;
+  vtkNew<vtkColorTransferFunction> segment_;
+  bool isInside_ = false;
+  bool isLogarithmic_;
+  std::vector<Color> table_; // of CIEDE2000 only, over [first_, last_]
+  double first_ = 0.;
+  double last_ = 0.;
+};
+
+/// All functions of a property, from one value where one of them has a node to the next. Values: less the offset.
+class PropertyFunctions
+{
+public:
+  PropertyFunctions(vtkVolumeProperty* property, Range part, double offset)
+    : opacities_(property->GetScalarOpacity(0))
+    , offset_(offset)
+    , unitDistance_(property->GetScalarOpacityUnitDistance(0))
+  {
+    if (property->GetColorChannels(0) == 1)
+    {
+      grays_.emplace(property->GetGrayTransferFunction(0));
+    }
+    else
+    {
+      colors_.emplace(property->GetRGBTransferFunction(0), offset + part.min, offset + part.max);
+    }
+  }
+
+  /// Values of nodes, in order.
+  std::vector<double> values() const
+  {
+    std::vector<double> values;
+    const auto add = [&](const auto& functions) {
+      for (std::size_t i = 0; i < functions.count(); ++i)
+      {
+        values.push_back(functions.node(i) - offset_);
+      }
+    };
+    add(opacities_);
+    grays_ ? add(*grays_) : add(*colors_);
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    return values;
+  }
+
+  /// From now on for values up to `end`, from the last node before it on. In the order of ends.
+  void choose(double end)
+  {
+    const auto chooseIn = [&](auto& functions, std::size_t& next) {
+      const std::size_t before = next;
+      while (next < functions.count() && functions.node(next) - offset_ < end)
+      {
+        ++next;
+      }
+      if (next != before)
+      {
+        functions.choose(next);
+      }
+    };
+    chooseIn(opacities_, nextOpacity_);
+    grays_ ? chooseIn(*grays_, nextColor_) : chooseIn(*colors_, nextColor_);
+  }
+
+  Entry at(double relative)
+  {
+    const double value = offset_ + relative;
+    Color color;
+    if (grays_)
+    {
+      color.fill(grays_->at(value));
+    }
+    else
+    {
+      color = colors_->at(value);
+    }
+    return { static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2]),
+      TransferFunction::extinctionFromOpacity(opacities_.at(value), unitDistance_) };
+  }
+
+  double unitDistance() const { return unitDistance_; }
+  /// By which values must differ for the functions to tell them apart.
+  double rounding() const { return 4. * std::numeric_limits<double>::epsilon() * std::abs(offset_); }
+
+private:
+  Opacities opacities_;
+  std::optional<Opacities> grays_;
+  std::optional<Colors> colors_;
+  std::size_t nextOpacity_ = 0;
+  std::size_t nextColor_ = 0;
+  double offset_;
+  double unitDistance_;
+};
+
+void checkUnitDistance(vtkVolumeProperty* property)
+{
+  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
+  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
+  {
+    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
+      ", allowed are positive lengths");
+  }
+}
+
+/// Nodes of the functions between values, close enough for lines.
+class NodeList
+{
+public:
+  explicit NodeList(PropertyFunctions& functions)
+    : functions_(functions)
+  {
+  }
+
+  /// The function's part from a to b.
+  void addSegment(double a, double b)
+  {
+    functions_.choose(b);
+    // What it comes to there, on this side.
+    constexpr double beside = 1e-12;
+    const auto inset = [&](double end) {
+      return std::max(functions_.rounding(), beside * (end == 0. ? b - a : std::min(b - a, std::abs(end))));
+    };
+    const Entry first = functions_.at(a + inset(a));
+    const Entry last = functions_.at(b - inset(b));
+    const Entry atEnd = functions_.at(b);
+    begin(a, first);
+    refine(a, first, b, last);
+    end_ = last;
+    atEnd_ = atEnd;
+  }
+  /// What holds up to where the first segment begins.
+  void beginWith(const Entry& entry) { end_ = atEnd_ = entry; }
+  /// What holds from the last segment's end on is what VTK has there.
+  std::vector<Node> endAt(double value)
+  {
+    add({ value, isClose(end_, atEnd_) ? atEnd_ : end_, atEnd_ });
+    return std::move(nodes_);
+  }
+
+private:
+  /// A node between two segments.
+  void begin(double value, const Entry& above)
+  {
+    if (isClose(end_, above))
+    {
+      // An entry that is there alone has no width.
+      const Entry& entry = isClose(end_, atEnd_) ? atEnd_ : end_;
+      add({ value, entry, entry });
+    }
+    else if (distance(end_, atEnd_) <= distance(above, atEnd_))
+    {
+      // The next float is the first that is above.
+      const auto nearest = static_cast<float>(value);
+      add({ nearest > value ? nearest : std::nextafter(nearest, std::numeric_limits<float>::infinity()), atEnd_,
+        above });
+    }
+    else
+    {
+      add({ value, end_, above });
+    }
+  }
+
+  void add(const Node& node)
+  {
+    if (!nodes_.empty() && node.value <= nodes_.back().value)
+    {
+      nodes_.back().above = node.above;
+      return;
+    }
+    // In the middle of a constant.
+    const std::size_t count = nodes_.size();
+    if (count > 1 && nodes_[count - 2].above == nodes_[count - 1].below &&
+      nodes_[count - 1].below == nodes_[count - 1].above && nodes_[count - 1].above == node.below)
+    {
+      nodes_.pop_back();
+    }
+    nodes_.push_back(node);
+  }
+
+  /// Adds nodes inside of the segment from a to b until lines follow it.
+  void refine(double a, const Entry& ofA, double b, const Entry& ofB)
+  {
+    // Two floats, which have nothing in between.
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    const auto largest = static_cast<float>(std::max(std::abs(a), std::abs(b)));
+    if (b - a <= std::nextafter(largest, infinity) - largest)
+    {
+      return;
+    }
+    // Where values span octaves, so may what happens among them.
+    const bool spansOctaves = a > 0. && b > 2. * a;
+    const double middle = spansOctaves ? std::sqrt(a) * std::sqrt(b) : 0.5 * (a + b);
+    const Entry ofMiddle = functions_.at(middle);
+    const auto follows = [&](double value, const Entry& entry) {
+      const auto f = static_cast<float>((value - a) / (b - a));
+      return isClose(entry,
+        { std::lerp(ofA.r, ofB.r, f), std::lerp(ofA.g, ofB.g, f), std::lerp(ofA.b, ofB.b, f),
+          std::lerp(ofA.extinction, ofB.extinction, f) });
+    };
+    constexpr double quarter = 0.25;
+    if (follows(middle, ofMiddle) &&
+      follows(std::lerp(a, middle, quarter), functions_.at(std::lerp(a, middle, quarter))) &&
+      follows(std::lerp(b, middle, quarter), functions_.at(std::lerp(b, middle, quarter))))
+    {
+      return;
+    }
+    refine(a, ofA, middle, ofMiddle);
+    add({ middle, ofMiddle, ofMiddle });
+    refine(middle, ofMiddle, b, ofB);
+  }
+
+  bool isClose(const Entry& a, const Entry& b) const
+  {
+    constexpr float channel = 1.f / 1024.f;
+    constexpr double part = 1. / 2048.;
+    constexpr double nothing = 1e-8; // of opacity
+    const double change =
+      std::abs(static_cast<double>(a.extinction) - b.extinction) * functions_.unitDistance();
+    const double largest = std::max(a.extinction, b.extinction) * functions_.unitDistance();
+    const double least = largest - change;
+    return std::abs(a.r - b.r) <= channel && std::abs(a.g - b.g) <= channel &&
+      std::abs(a.b - b.b) <= channel && std::exp(-least) - std::exp(-largest) <= channel &&
+      change <= std::max(part * largest, nothing);
+  }
+
+  /// The largest of a channel.
+  double distance(const Entry& a, const Entry& b) const
+  {
+    const double unit = functions_.unitDistance();
+    return std::max({ std::abs(static_cast<double>(a.r) - b.r), std::abs(static_cast<double>(a.g) - b.g),
+      std::abs(static_cast<double>(a.b) - b.b),
+      std::abs(std::exp(-a.extinction * unit) - std::exp(-b.extinction * unit)) });
+  }
+
+  PropertyFunctions& functions_;
+  std::vector<Node> nodes_;
+  Entry end_{};   // what the segment before came to
+  Entry atEnd_{}; // what it is there
+};
+
+} // namespace
+
+TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset)
+{
+  checkUnitDistance(property);
+  PropertyFunctions functions(property, dataRange, offset);
+  const std::vector<double> values = functions.values();
+  NodeList nodes(functions);
+  double at = dataRange.min;
+  functions.choose(at);
+  nodes.beginWith(functions.at(at));
+  for (const double value : values)
+  {
+    if (value > at && value < dataRange.max)
+    {
+      nodes.addSegment(at, value);
+      at = value;
+    }
+  }
+  if (at < dataRange.max)
+  {
+    nodes.addSegment(at, dataRange.max);
+  }
+  return TransferFunction::ofNodes(nodes.endAt(dataRange.max));
+}
+
+bool hasCategories(vtkVolumeProperty* property)
+{
+  return property->GetColorChannels(0) == 3 && property->GetRGBTransferFunction(0)->GetIndexedLookup();
+}
+
+TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values)
+{
+  checkUnitDistance(property);
+  vtkColorTransferFunction* table = property->GetRGBTransferFunction(0);
+  // What a function without nodes maps nothing to.
+  std::array<unsigned char, 4> nothing{};
+  for (int c = 0; c < 3; ++c)
+  {
+    nothing[c] = static_cast<unsigned char>(255. * table->GetNanColor()[c] + 0.5);
+  }
+  std::vector<std::array<unsigned char, 4>> colors(
+    static_cast<std::size_t>(values->GetNumberOfTuples()), nothing);
+  table->Build();
+  table->MapScalarsThroughTable(values, colors.front().data(), VTK_RGBA);
+  std::vector<TransferFunction::Entry> entries;
+  entries.reserve(colors.size());
+  for (const std::array<unsigned char, 4>& rgba : colors)
+  {
+    const double value = values->GetComponent(static_cast<vtkIdType>(entries.size()), 0);
+    entries.push_back({ rgba[0] / 255.f, rgba[1] / 255.f, rgba[2] / 255.f,
+      TransferFunction::extinctionFromOpacity(
+        property->GetScalarOpacity(0)->GetValue(value), property->GetScalarOpacityUnitDistance(0)) });
+  }
+  return TransferFunction::ofCategories(std::move(entries));
+}
+
+} // namespace treeamr

@@ -1,0 +1,109 @@
+#include "Support/LineIntegral.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treeamr::test
+{
+
+LineIntegral::LineIntegral(const TransferFunction& transferFunction)
+{
+  const auto valuesOf = [](const TransferFunction::Entry& e) {
+    return Values{ e.r, e.g, e.b, e.extinction };
+  };
+  for (const auto& node : transferFunction.nodes())
+  {
+    nodes_.push_back({ node.value, valuesOf(node.below), valuesOf(node.above) });
+  }
+  const auto& entries = transferFunction.entries();
+  for (std::size_t i = 0; transferFunction.nodes().empty() && i < entries.size(); ++i)
+  {
+    const double scale = transferFunction.scale();
+    nodes_.push_back({ transferFunction.min() + (scale > 0. ? static_cast<double>(i) / scale : 0.),
+      valuesOf(entries[i]), valuesOf(entries[i]) });
+    if (scale == 0.)
+    {
+      break;
+    }
+  }
+}
+
+LineIntegral::Values LineIntegral::at(double value, std::size_t next) const
+{
+  if (next == 0 || next == nodes_.size())
+  {
+    return next == 0 ? nodes_.front().below : nodes_.back().above;
+  }
+  const Node& a = nodes_[next - 1];
+  const Node& b = nodes_[next];
+  Values values;
+  for (int c = 0; c < 4; ++c)
+  {
+    values[c] = std::lerp(a.above[c], b.below[c], (value - a.value) / (b.value - a.value));
+  }
+  return values;
+}
+
+void LineIntegral::addLight(
+  double from, double to, double length, std::array<double, 4>& color, double& transmittance) const
+{
+  const auto nodesUpTo = [&](double value) {
+    return static_cast<std::size_t>(std::upper_bound(nodes_.begin(), nodes_.end(), value,
+                                      [](double v, const Node& node) { return v < node.value; }) -
+      nodes_.begin());
+  };
+  std::size_t next = nodesUpTo(from);
+  const std::size_t last = nodesUpTo(to);
+  double at = from;
+  const bool rises = from < to;
+  while (next != last)
+  {
+    const double node = nodes_[rises ? next : next - 1].value;
+    addLine(
+      this->at(at, next), this->at(node, next), length * ((node - at) / (to - from)), color, transmittance);
+    at = node;
+    next = rises ? next + 1 : next - 1;
+  }
+  addLine(this->at(at, next), this->at(to, next), to == from ? length : length * ((to - at) / (to - from)),
+    color, transmittance);
+}
+
+void LineIntegral::addLine(const Values& from, const Values& to, double length, std::array<double, 4>& color,
+  double& transmittance, int depth)
+{
+  const double optical = 0.5 * (from[3] + to[3]) * length;
+  if (!(optical > 0.))
+  {
+    return;
+  }
+  double change = 0.; // of colour
+  for (int c = 0; c < 3; ++c)
+  {
+    change = std::max(change, std::abs(to[c] - from[c]));
+  }
+  const double bend = std::abs(to[3] - from[3]) / (to[3] + from[3]);
+  const double seen = transmittance * std::min(1., optical);
+  // The product of colour and extinction bends, and what is in front counts more than what is behind it.
+  constexpr double tolerance = 1e-7;
+  constexpr int deepest = 60;
+  if (depth < deepest && change * seen * (0.2 * bend + std::min(1., optical)) > tolerance)
+  {
+    Values middle;
+    for (int c = 0; c < 4; ++c)
+    {
+      middle[c] = 0.5 * (from[c] + to[c]);
+    }
+    addLine(from, middle, 0.5 * length, color, transmittance, depth + 1);
+    addLine(middle, to, 0.5 * length, color, transmittance, depth + 1);
+    return;
+  }
+  const double held = transmittance * -std::expm1(-optical);
+  for (int c = 0; c < 3; ++c)
+  {
+    color[c] += held * 0.5 * (from[c] + to[c]);
+  }
+  color[3] += held;
+  transmittance -= held;
+}
+
+} // namespace treeamr::test
