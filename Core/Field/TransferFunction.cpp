@@ -23,14 +23,6 @@ void check(const TransferFunction::Entry& e, const char* kind, std::size_t i)
   }
 }
 
-/// Exact at both ends, however opaque one is.
-TransferFunction::Entry between(
-  const TransferFunction::Entry& a, const TransferFunction::Entry& b, float f) noexcept
-{
-  return { std::lerp(a.r, b.r, f), std::lerp(a.g, b.g, f), std::lerp(a.b, b.b, f),
-    std::lerp(a.extinction, b.extinction, f) };
-}
-
 } // namespace
 
 TransferFunction::TransferFunction(double min, double max, std::vector<Entry> entries)
@@ -151,6 +143,12 @@ TransferFunction::Entry TransferFunction::atPosition(double p) const noexcept
 {
   const auto i = std::min(static_cast<std::size_t>(p), entries_.size() - 2);
   return between(entries_[i], entries_[i + 1], static_cast<float>(p - static_cast<double>(i)));
+}
+
+TransferFunction::Entry TransferFunction::between(const Entry& a, const Entry& b, float part) noexcept
+{
+  return { std::lerp(a.r, b.r, part), std::lerp(a.g, b.g, part), std::lerp(a.b, b.b, part),
+    std::lerp(a.extinction, b.extinction, part) };
 }
 
 TransferFunction::Entry TransferFunction::atValue(double value) const noexcept

@@ -80,6 +80,9 @@ public:
     return visibleBefore_[last + 1] > visibleBefore_[first];
   }
 
+  /// Exact at both ends, however opaque one is. part: 0 to 1.
+  static Entry between(const Entry& a, const Entry& b, float part) noexcept;
+
 private:
   TransferFunction() = default;
 

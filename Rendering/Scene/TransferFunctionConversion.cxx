@@ -294,8 +294,8 @@ private:
     {
       // The next float is the first that is above.
       const auto nearest = static_cast<float>(value);
-      add({ nearest > value ? nearest : std::nextafter(nearest, std::numeric_limits<float>::infinity()), atEnd_,
-        above });
+      add({ nearest > value ? nearest : std::nextafter(nearest, std::numeric_limits<float>::infinity()),
+        atEnd_, above });
     }
     else
     {
@@ -335,15 +335,11 @@ private:
     const double middle = spansOctaves ? std::sqrt(a) * std::sqrt(b) : 0.5 * (a + b);
     const Entry ofMiddle = functions_.at(middle);
     const auto follows = [&](double value, const Entry& entry) {
-      const auto f = static_cast<float>((value - a) / (b - a));
-      return isClose(entry,
-        { std::lerp(ofA.r, ofB.r, f), std::lerp(ofA.g, ofB.g, f), std::lerp(ofA.b, ofB.b, f),
-          std::lerp(ofA.extinction, ofB.extinction, f) });
+      return isClose(entry, TransferFunction::between(ofA, ofB, static_cast<float>((value - a) / (b - a))));
     };
-    constexpr double quarter = 0.25;
-    if (follows(middle, ofMiddle) &&
-      follows(std::lerp(a, middle, quarter), functions_.at(std::lerp(a, middle, quarter))) &&
-      follows(std::lerp(b, middle, quarter), functions_.at(std::lerp(b, middle, quarter))))
+    const double low = std::lerp(a, middle, 0.25);
+    const double high = std::lerp(b, middle, 0.25);
+    if (follows(middle, ofMiddle) && follows(low, functions_.at(low)) && follows(high, functions_.at(high)))
     {
       return;
     }
@@ -361,9 +357,10 @@ private:
       std::abs(static_cast<double>(a.extinction) - b.extinction) * functions_.unitDistance();
     const double largest = std::max(a.extinction, b.extinction) * functions_.unitDistance();
     const double least = largest - change;
+    // The more opaque both are, the less their difference is seen: in a quarter of the unit distance as much, here.
+    const double most = std::max(largest * std::min(part * std::exp(0.25 * least), 0.25), nothing);
     return std::abs(a.r - b.r) <= channel && std::abs(a.g - b.g) <= channel &&
-      std::abs(a.b - b.b) <= channel && std::exp(-least) - std::exp(-largest) <= channel &&
-      change <= std::max(part * largest, nothing);
+      std::abs(a.b - b.b) <= channel && std::exp(-least) - std::exp(-largest) <= channel && change <= most;
   }
 
   /// The largest of a channel.

@@ -23,12 +23,6 @@ using namespace treeamr::test;
 namespace
 {
 
-Vec3 at(const Ray& ray, double t)
-{
-  return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
-    ray.origin[2] + t * ray.direction[2] };
-}
-
 bool firstRoot(const Cubic& cubic, double tolerance, double& root)
 {
   return visitRoots(cubic, tolerance, [&](double s) {
@@ -183,7 +177,7 @@ TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
       continue;
     }
     const SurfaceHit& hit = hits.hits[hits.first[i]];
-    const Vec3 p = at(camera.ray(i % 300, i / 300), hit.t);
+    const Vec3 p = pointAt(camera.ray(i % 300, i / 300), hit.t);
     if (p[0] > 0.5 && p[1] > 0.5 && p[2] > 0.5 && p[0] < 3.75 && p[1] < 3.5 && p[2] < 3.5)
     {
       ++interior;
@@ -672,7 +666,7 @@ TEST(Isosurface, KnowsTheCellsOfItsHits)
     SurfaceHit hit;
     if (surface.intersect(ray, 0., 20., hit))
     {
-      const CellId* leaf = truth.leafAt(at(ray, hit.t));
+      const CellId* leaf = truth.leafAt(pointAt(ray, hit.t));
       ASSERT_TRUE(leaf);
       EXPECT_EQ(surface.cell(hit).level, leaf->level);
       EXPECT_EQ(surface.cell(hit).index, leaf->index);

@@ -18,17 +18,6 @@
 using namespace treeamr;
 using namespace treeamr::test;
 
-namespace
-{
-
-Vec3 at(const Ray& ray, double t)
-{
-  return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
-    ray.origin[2] + t * ray.direction[2] };
-}
-
-} // namespace
-
 TEST(SurfaceNormals, AreThoseBetweenVertexGradients)
 {
   double worst = 0.;
@@ -62,8 +51,8 @@ TEST(SurfaceNormals, AreThoseBetweenVertexGradients)
           for (int a = 0; a < 3; ++a)
           {
             const Coord low = 2 * leaf.index[a] + (hit.octant >> 2 * a & 1);
-            const double part =
-              std::clamp(std::ldexp(at(ray, hit.t)[a], leaf.level + 1) - static_cast<double>(low), 0., 1.);
+            const double part = std::clamp(
+              std::ldexp(pointAt(ray, hit.t)[a], leaf.level + 1) - static_cast<double>(low), 0., 1.);
             v[a] = (low + sideOf(corner, a)) << up;
             weight *= sideOf(corner, a) != 0 ? part : 1. - part;
           }
@@ -147,7 +136,7 @@ TEST(SurfaceNormals, ConvergeToThoseOfTheSurface)
         SurfaceHit hit;
         if (surface.intersect(ray, 0., 5., hit))
         {
-          const double angle = degreesBetween(normalOf(hit), gradientOf(analytic.field, at(ray, hit.t)));
+          const double angle = degreesBetween(normalOf(hit), gradientOf(analytic.field, pointAt(ray, hit.t)));
           mean[step] += angle / count;
           largest[step] = std::max(largest[step], angle);
           ++hits;

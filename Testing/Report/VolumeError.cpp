@@ -220,9 +220,7 @@ VolumeStatistics march(const Sampler& sampler, const DataSet& data, const Camera
       {
         FieldSample sample;
         ++samples.local();
-        if (!sampler.sample({ ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
-                              ray.origin[2] + t * ray.direction[2] },
-              sample))
+        if (!sampler.sample(pointAt(ray, t), sample))
         {
           continue;
         }

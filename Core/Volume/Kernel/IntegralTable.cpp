@@ -14,6 +14,25 @@ namespace
 using Entry = TransferFunction::Entry;
 using Node = TransferFunction::Node;
 
+/// Binary orders of magnitude of places, and of extinctions when products with places must be floats.
+constexpr int largest = 60;
+/// Of what unscale() has left: denser than that nothing is told apart.
+const double densest = std::ldexp(1., largest);
+
+EmissionTerms termsOf(const Entry& e, double mostExtinction = densest)
+{
+  const double extinction = std::min<double>(e.extinction, mostExtinction);
+  return { extinction * e.r, extinction * e.g, extinction * e.b, extinction };
+}
+
+/// Of colours that are both seen.
+double colorChange(const Entry& a, const Entry& b)
+{
+  return a.extinction > 0.f || b.extinction > 0.f
+    ? std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) })
+    : 0.;
+}
+
 /// A function's nodes, or its entries as nodes.
 std::vector<Node> nodesOf(const TransferFunction& transferFunction)
 {
@@ -42,13 +61,6 @@ float toFloat(double x)
   return static_cast<float>(std::clamp(x, -most, most));
 }
 
-Entry between(const Entry& a, const Entry& b, double f)
-{
-  const auto part = static_cast<float>(f);
-  return { std::lerp(a.r, b.r, part), std::lerp(a.g, b.g, part), std::lerp(a.b, b.b, part),
-    std::lerp(a.extinction, b.extinction, part) };
-}
-
 /// Calls add(part of the way, entry) for what is between two entries, until products of colour and extinction, of which
 /// each is a line, are lines themselves: the colour errs by 1/2048 of a channel.
 template <class Add>
@@ -61,7 +73,7 @@ void divide(const Entry& a, const Entry& b, double begin, double end, const Add&
   {
     return;
   }
-  const Entry middle = between(a, b, 0.5);
+  const Entry middle = TransferFunction::between(a, b, 0.5f);
   const double half = 0.5 * (begin + end);
   divide(a, middle, begin, half, add);
   add(half, middle);
@@ -80,16 +92,6 @@ std::array<float, 2> floatsAround(double x)
 
 } // namespace
 
-namespace
-{
-
-/// Binary orders of magnitude of places, and of extinctions when products with places must be floats.
-constexpr int largest = 60;
-/// Of what unscale() has left: denser than that nothing is told apart.
-const double densest = std::ldexp(1., largest);
-
-} // namespace
-
 /// Where the function bends or jumps, at a place that a float has.
 struct IntegralTable::Station
 {
@@ -98,7 +100,8 @@ struct IntegralTable::Station
   Entry above;
 };
 
-IntegralTable::IntegralTable(const TransferFunction& transferFunction, double unit, double mostExtinction)
+IntegralTable::IntegralTable(
+  const TransferFunction& transferFunction, double unit, double mostExtinction, double smallestLeaf)
 {
   const std::vector<Node> nodes = nodesOf(transferFunction);
   const double low = nodes.front().value;
@@ -113,33 +116,14 @@ IntegralTable::IntegralTable(const TransferFunction& transferFunction, double un
   unscale_ = std::ldexp(1., std::max(0, std::ilogb(mostExtinction) - largest / 2));
   const double mostInSums = mostExtinction / unscale_;
 
-  const std::vector<Station> stations = makeStations(transferFunction, unit);
+  const std::vector<Station> stations = makeStations(transferFunction, nodes, unit);
   makeRows(stations, mostInSums);
-  makeFinestSteps(stations);
+  makeFinestSteps(stations, smallestLeaf);
   const Index linear = indexBy(false);
   Index bits = indexBy(true);
   index_ = bits.halvings < linear.halvings ? std::move(bits) : linear;
   places_.insert(places_.end(), std::size_t(1) << index_.halvings, std::numeric_limits<float>::infinity());
 }
-
-namespace
-{
-
-EmissionTerms termsOf(const Entry& e, double mostExtinction = densest)
-{
-  const double extinction = std::min<double>(e.extinction, mostExtinction);
-  return { extinction * e.r, extinction * e.g, extinction * e.b, extinction };
-}
-
-/// Of colours that are both seen.
-double colorChange(const Entry& a, const Entry& b)
-{
-  return a.extinction > 0.f || b.extinction > 0.f
-    ? std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) })
-    : 0.;
-}
-
-} // namespace
 
 /// Without those on lines between others, to 1/4096 of a channel.
 std::vector<IntegralTable::Station> IntegralTable::thinned(const std::vector<Station>& stations)
@@ -190,9 +174,8 @@ std::vector<IntegralTable::Station> IntegralTable::thinned(const std::vector<Sta
 }
 
 std::vector<IntegralTable::Station> IntegralTable::makeStations(
-  const TransferFunction& transferFunction, double unit) const
+  const TransferFunction& transferFunction, const std::vector<Node>& nodes, double unit) const
 {
-  const std::vector<Node> nodes = nodesOf(transferFunction);
   std::vector<Station> stations;
   const auto add = [&](double value, const Entry& below, const Entry& above) {
     Station station{ toFloat(placeOf(value)), below, above };
@@ -283,30 +266,29 @@ void IntegralTable::makeRows(const std::vector<Station>& stations, double mostIn
   }
 }
 
-void IntegralTable::makeFinestSteps(const std::vector<Station>& stations)
+void IntegralTable::makeFinestSteps(const std::vector<Station>& stations, double smallestLeaf)
 {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  constexpr float channelSteps = 256.f;                   // rounding errs by half of one
-  const auto faint = static_cast<float>(0.01 / unscale_); // of extinctions across the domain
+  constexpr double channelSteps = 256.; // rounding errs by half of one
+  constexpr double faint = 0.01;        // of extinctions across the domain
   const std::size_t count = stations.size();
-  std::vector<float> finest(count + 1, infinity);
-  const auto change = [faint](const Entry& a, const Entry& b) {
-    const float extinction = std::max(a.extinction, b.extinction);
-    return extinction == 0.f ? 0.f
-                             : std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b),
-                                 std::abs(b.extinction - a.extinction) / std::max(extinction, faint) });
+  // Of extinctions as a part of them, unless both are so dense that no light passes the smallest leaf.
+  const auto change = [&](const Entry& a, const Entry& b) {
+    const double low = std::min(a.extinction, b.extinction) * unscale_;
+    const double high = std::max(a.extinction, b.extinction) * unscale_;
+    return high == 0. ? 0.
+                      : std::max<double>({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b),
+                          (high - low) / std::max(high, faint) * std::exp(-low * smallestLeaf) });
   };
+  std::vector<float> finest(count + 1, std::numeric_limits<float>::infinity());
+  jumps_.assign(1, 0);
   for (std::size_t i = 0; i < count; ++i)
   {
-    if (change(stations[i].below, stations[i].above) > 1.f / channelSteps)
+    jumps_.push_back(jumps_.back() + (change(stations[i].below, stations[i].above) > 1. / channelSteps));
+    const double ofRow = i + 1 < count ? change(stations[i].above, stations[i + 1].below) : 0.;
+    if (ofRow > 0.)
     {
-      finest[i] = finest[i + 1] = 0.f;
-    }
-    if (i + 1 < count)
-    {
-      const float c = change(stations[i].above, stations[i + 1].below);
-      const float width = stations[i + 1].place - stations[i].place;
-      finest[i + 1] = c > 0.f ? std::min(finest[i + 1], width / (c * channelSteps)) : finest[i + 1];
+      finest[i + 1] =
+        toFloat((static_cast<double>(stations[i + 1].place) - stations[i].place) / (ofRow * channelSteps));
     }
   }
   finestSteps_.push_back(std::move(finest));
@@ -322,18 +304,25 @@ void IntegralTable::makeFinestSteps(const std::vector<Station>& stations)
   }
 }
 
-float IntegralTable::finestStep(std::size_t firstRow, std::size_t lastRow) const noexcept
+float IntegralTable::finestStep(double firstPlace, double lastPlace) const noexcept
 {
-  const std::size_t level = std::bit_width(lastRow - firstRow + 1) - 1;
+  const std::size_t first = rowOf(firstPlace);
+  const auto stations = places_.begin() + 1;
+  const auto last = std::max(
+    first, static_cast<std::size_t>(std::lower_bound(stations, endOfPlaces(), lastPlace) - stations));
+  if (jumps_[last] > jumps_[first])
+  {
+    return 0.f;
+  }
+  const std::size_t level = std::bit_width(last - first + 1) - 1;
   const std::vector<float>& steps = finestSteps_[level];
-  return std::min(steps[firstRow], steps[lastRow + 1 - (std::size_t(1) << level)]);
+  return std::min(steps[first], steps[last + 1 - (std::size_t(1) << level)]);
 }
 
 std::size_t IntegralTable::rowOf(double place) const noexcept
 {
   const auto begin = places_.begin() + 1;
-  const auto end = places_.begin() + static_cast<std::ptrdiff_t>(rows_.size() - 1);
-  return static_cast<std::size_t>(std::upper_bound(begin, end, place) - begin);
+  return static_cast<std::size_t>(std::upper_bound(begin, endOfPlaces(), place) - begin);
 }
 
 IntegralTable::Index IntegralTable::indexBy(bool bits) const

@@ -7,7 +7,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace treeamr
@@ -29,8 +28,10 @@ public:
     float rest[4];
   };
 
-  /// Extinctions count times unit; sums cap them at mostExtinction. Not for categories.
-  IntegralTable(const TransferFunction& transferFunction, double unit, double mostExtinction);
+  /// Extinctions count times unit; sums cap them at mostExtinction. smallestLeaf: its width, for extinctions so counted.
+  /// Not for categories.
+  IntegralTable(
+    const TransferFunction& transferFunction, double unit, double mostExtinction, double smallestLeaf);
 
   /// A value's place: its distance from a value of the function's, where places have most digits, in a power of two.
   double placeOf(double value) const noexcept { return (value - reference_) * scale_; }
@@ -43,8 +44,8 @@ public:
   {
     return variation_[lastRow] - variation_[firstRow];
   }
-  /// The widest step of places that follows the function in these rows to 1/512 of a channel: none across a jump.
-  float finestStep(std::size_t firstRow, std::size_t lastRow) const noexcept;
+  /// The widest step of places that follows the function between two of them to 1/512 of a channel: none across a jump.
+  float finestStep(double firstPlace, double lastPlace) const noexcept;
 
   // For the kernel.
   const std::vector<Row>& rows() const noexcept { return rows_; }
@@ -77,11 +78,16 @@ public:
 
 private:
   struct Station;
-  std::vector<Station> makeStations(const TransferFunction& transferFunction, double unit) const;
+  std::vector<Station> makeStations(const TransferFunction& transferFunction,
+    const std::vector<TransferFunction::Node>& nodes, double unit) const;
   static std::vector<Station> thinned(const std::vector<Station>& stations);
   void makeRows(const std::vector<Station>& stations, double mostInSums);
-  void makeFinestSteps(const std::vector<Station>& stations);
+  void makeFinestSteps(const std::vector<Station>& stations, double smallestLeaf);
   Index indexBy(bool bits) const;
+  std::vector<float>::const_iterator endOfPlaces() const noexcept
+  {
+    return places_.begin() + static_cast<std::ptrdiff_t>(rows_.size()) - 1;
+  }
 
   double reference_;
   double scale_;
@@ -91,6 +97,7 @@ private:
   std::vector<ColorChange> colorChanges_;
   std::vector<double> variation_;
   std::vector<std::vector<float>> finestSteps_; // of 2^i rows from each on
+  std::vector<std::uint32_t> jumps_;            // that are seen, among the first i nodes
   Index index_;
 };
 

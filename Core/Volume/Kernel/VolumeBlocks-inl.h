@@ -125,9 +125,8 @@ private:
   {
     if (block.preIntegrate)
     {
-      const IntegralTable& integrals = *scene_.table.integrals;
       return block.toTable.scale >
-        integrals.finestStep(integrals.rowOf(block.toTable.first), integrals.rowOf(block.toTable.last));
+        scene_.table.integrals->finestStep(block.toTable.first, block.toTable.last);
     }
     return !(block.toTable.scale < 4 / BlockRecord::steps * scene_.table.last);
   }
@@ -187,7 +186,9 @@ private:
     const IntegralTable& integrals = *scene_.table.integrals;
     const double first = integrals.placeOf(range.min);
     const double last = integrals.placeOf(range.max);
-    block.toTable = { static_cast<Real>((last - first) / BlockRecord::steps), static_cast<Real>(first),
+    // The last step must not end before the hull, where the function may jump.
+    constexpr double up = 1. + 0x1p-21;
+    block.toTable = { static_cast<Real>(up * (last - first) / BlockRecord::steps), static_cast<Real>(first),
       static_cast<Real>(first), static_cast<Real>(last) };
     block.variation =
       static_cast<Real>(integrals.variation(integrals.rowOf(first), integrals.rowOf(last) + 1));

@@ -57,9 +57,10 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
   : perEntry(static_cast<double>(entriesPerEntry(transferFunction)))
   , worldMagnitude_(worldMagnitude)
   , diagonal_(diagonalOf(field.octree().grid().bounds()))
+  , smallestLeaf_(
+      std::ldexp(relativeLeafWidth(field.octree().grid(), field.octree().leafLevels()), worldMagnitude))
   // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
-  , mostExtinction_(std::ldexp(
-      1e6 / relativeLeafWidth(field.octree().grid(), field.octree().leafLevels()), -worldMagnitude))
+  , mostExtinction_(1e6 / smallestLeaf_)
 {
   fitsSinglePrecision = fits(field, transferFunction, perEntry);
   const std::size_t size = (transferFunction.entries().size() - 1) * static_cast<std::size_t>(perEntry) + 1;
@@ -101,7 +102,7 @@ void VolumeTable::integrate(const TransferFunction& transferFunction)
 {
   if (!integrals)
   {
-    integrals = std::make_unique<IntegralTable>(transferFunction, diagonal_, mostExtinction_);
+    integrals = std::make_unique<IntegralTable>(transferFunction, diagonal_, mostExtinction_, smallestLeaf_);
   }
 }
 
@@ -125,8 +126,7 @@ void VolumeTable::findRoughGaps(const TransferFunction& transferFunction)
   {
     const TransferFunction::Entry a = at(i);
     const TransferFunction::Entry b = at(i + 1);
-    const TransferFunction::Entry middle{ 0.5f * (a.r + b.r), 0.5f * (a.g + b.g), 0.5f * (a.b + b.b),
-      0.5f * (a.extinction + b.extinction) };
+    const TransferFunction::Entry middle = TransferFunction::between(a, b, 0.5f);
     isRough[i] = differs(a, middle) || differs(middle, b);
   }
   for (const TransferFunction::Node& node : transferFunction.nodes())

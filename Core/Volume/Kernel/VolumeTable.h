@@ -50,6 +50,7 @@ private:
 
   int worldMagnitude_;
   double diagonal_;
+  double smallestLeaf_;   // its width, for the terms
   double mostExtinction_; // in the terms
 };
 
