@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 using namespace treeamr;
@@ -35,29 +36,50 @@ std::shared_ptr<const Field> makeWaves(unsigned seed)
   return makeField(unitRoots({ 2, 2, 2 }), cells);
 }
 
+/// Nodes at the given parts of -1 to 1.6 and at 1/32 of it: few, or converged pictures take minutes.
 template <class Extinction>
-TransferFunction tabulate(const Extinction& extinction)
+TransferFunction ofParts(std::vector<double> parts, const Extinction& extinction)
 {
-  constexpr int size = 4096;
-  std::vector<TransferFunction::Entry> entries;
-  for (int i = 0; i < size; ++i)
+  for (int i = 0; i <= 32; ++i)
   {
-    const float u = static_cast<float>(i) / (size - 1);
-    entries.push_back({ u, 1.f - u, 0.5f + 0.5f * std::sin(20.f * u), static_cast<float>(extinction(u)) });
+    parts.push_back(i / 32.);
   }
-  return TransferFunction(-1., 1.6, entries);
+  std::ranges::sort(parts);
+  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  std::vector<TransferFunction::Node> nodes;
+  for (const double u : parts)
+  {
+    const auto entry = [&](double beside) {
+      const auto part = static_cast<float>(u);
+      return TransferFunction::Entry{ part, 1.f - part, 0.5f + 0.5f * std::sin(20.f * part),
+        static_cast<float>(extinction(beside)) };
+    };
+    constexpr double beside = 1e-9; // so that steps are jumps
+    nodes.push_back({ -1. + 2.6 * u, entry(u - beside), entry(u + beside) });
+  }
+  return TransferFunction::ofNodes(std::move(nodes));
 }
 
 std::vector<TransferFunction> transferFunctions()
 {
+  std::vector<double> peak;
+  for (int i = -8; i <= 8; ++i)
+  {
+    peak.push_back(0.55 + 0.0015 * i);
+  }
+  std::vector<double> shells;
+  for (double u = std::numbers::pi / 80.; u < 1.; u += std::numbers::pi / 40.)
+  {
+    shells.insert(shells.end(), { u - 0.0025, u + 0.0025 });
+  }
   return { // A soft haze.
-    tabulate([](double u) { return 3. * u; }),
+    ofParts({}, [](double u) { return 3. * std::max(0., u); }),
     // Solids.
-    tabulate([](double u) { return 60. * std::pow(std::max(0., u - 0.4), 2); }),
-    tabulate([](double u) { return u > 0.6 ? 40. : 0.; }),
+    ofParts({}, [](double u) { return 60. * std::pow(std::max(0., u - 0.4), 2); }),
+    ofParts({ 0.6 }, [](double u) { return u > 0.6 ? 40. : 0.; }),
     // Spikes, that are integrated.
-    tabulate([](double u) { return 300. * std::exp(-std::pow((u - 0.55) / 0.004, 2)); }),
-    tabulate([](double u) { return std::pow(std::sin(40. * u), 2) > 0.99 ? 100. : 0.; })
+    ofParts(peak, [](double u) { return 300. * std::exp(-std::pow((u - 0.55) / 0.004, 2)); }),
+    ofParts(shells, [](double u) { return std::abs(std::sin(40. * u)) > std::cos(0.1) ? 100. : 0.; })
   };
 }
 
@@ -119,13 +141,10 @@ struct Score
 
   void add(double estimate, double truth)
   {
-    // What rays do not see because they end, with opaqueTransmittance left, is no matter of samples.
-    constexpr double ofEnds = 0.25 * opaqueTransmittance;
     const double ratio = std::max(estimate / truth, truth / estimate);
-    const bool isGood = ratio <= 2. || std::abs(estimate - truth) <= ofEnds;
-    good += isGood;
+    good += ratio <= 2.;
     ++all;
-    worst = std::max(worst, isGood ? 1. : ratio);
+    worst = std::max(worst, ratio);
   }
   void expectMostAreGood(const char* what) const
   {
@@ -142,7 +161,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwo)
   Score score;
   for (const TransferFunction& transferFunction : transferFunctions())
   {
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 6; ++i)
     {
       Frame frame{ *field, transferFunction, randomCamera(random), {} };
       const Image converged = frame.converged();
@@ -154,7 +173,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwo)
       }
     }
   }
-  EXPECT_EQ(score.all, 45);
+  EXPECT_EQ(score.all, 90);
   score.expectMostAreGood("estimate");
 }
 
@@ -166,7 +185,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
   Score score;
   for (const TransferFunction& transferFunction : transferFunctions())
   {
-    for (int i = 0; i < 4; ++i)
+    for (int i = 0; i < 8; ++i)
     {
       const Camera camera = randomCamera(random);
       // Polygons in front of the left half, nothing to see in the upper part, a surface across the middle of every
@@ -193,7 +212,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
       score.add(frame.estimator(image).error(), rmse(image, frame.converged()));
     }
   }
-  EXPECT_EQ(score.all, 20);
+  EXPECT_EQ(score.all, 40);
   score.expectMostAreGood("estimate");
 }
 
@@ -213,7 +232,7 @@ TEST(ErrorEstimate, IsTheSameOnAnyNumberOfThreads)
 TEST(ErrorEstimate, IsZeroWhereNothingIsDrawn)
 {
   const auto field = makeWaves(12);
-  const TransferFunction nothing = tabulate([](double) { return 0.; });
+  const TransferFunction nothing = ofParts({}, [](double) { return 0.; });
   std::mt19937 random(3);
   Frame frame{ *field, nothing, randomCamera(random), {} };
   auto estimator = frame.estimator(frame.render());

@@ -26,6 +26,10 @@ LineIntegral::LineIntegral(const TransferFunction& transferFunction)
       break;
     }
   }
+  for (const Node& node : nodes_)
+  {
+    mostExtinction_ = std::max({ mostExtinction_, node.below[3], node.above[3] });
+  }
 }
 
 LineIntegral::Values LineIntegral::at(double value, std::size_t next) const
@@ -36,10 +40,11 @@ LineIntegral::Values LineIntegral::at(double value, std::size_t next) const
   }
   const Node& a = nodes_[next - 1];
   const Node& b = nodes_[next];
+  const double part = (value - a.value) / (b.value - a.value);
   Values values;
   for (int c = 0; c < 4; ++c)
   {
-    values[c] = std::lerp(a.above[c], b.below[c], (value - a.value) / (b.value - a.value));
+    values[c] = (1. - part) * a.above[c] + part * b.below[c];
   }
   return values;
 }
@@ -54,18 +59,24 @@ void LineIntegral::addLight(
   };
   std::size_t next = nodesUpTo(from);
   const std::size_t last = nodesUpTo(to);
-  double at = from;
+  if (next == last)
+  {
+    addLine(at(from, next), at(to, next), length, color, transmittance);
+    return;
+  }
   const bool rises = from < to;
+  const double perValue = length / (to - from);
+  double value = from;
+  Values values = at(from, next);
   while (next != last)
   {
-    const double node = nodes_[rises ? next : next - 1].value;
-    addLine(
-      this->at(at, next), this->at(node, next), length * ((node - at) / (to - from)), color, transmittance);
-    at = node;
+    const Node& node = nodes_[rises ? next : next - 1];
+    addLine(values, rises ? node.below : node.above, perValue * (node.value - value), color, transmittance);
+    value = node.value;
+    values = rises ? node.above : node.below;
     next = rises ? next + 1 : next - 1;
   }
-  addLine(this->at(at, next), this->at(to, next), to == from ? length : length * ((to - at) / (to - from)),
-    color, transmittance);
+  addLine(values, at(to, next), perValue * (to - value), color, transmittance);
 }
 
 void LineIntegral::addLine(const Values& from, const Values& to, double length, std::array<double, 4>& color,

@@ -20,6 +20,7 @@ public:
   /// opacity, which the step adds to.
   void addLight(
     double from, double to, double length, std::array<double, 4>& color, double& transmittance) const;
+  double mostExtinction() const { return mostExtinction_; }
 
 private:
   using Values = std::array<double, 4>; // red, green, blue, extinction
@@ -36,6 +37,7 @@ private:
     double& transmittance, int depth = 0);
 
   std::vector<Node> nodes_;
+  double mostExtinction_ = 0.;
 };
 
 } // namespace treeamr::test

@@ -359,7 +359,8 @@ private:
   void addConverged(TileRay& ray, const FieldAt& fieldAt, double begin, double first, double end, double last,
     double length, int depth)
   {
-    constexpr double straight = 0.01; // of the field's change
+    // Of the field's change: where little is seen, more.
+    const double straight = std::clamp(1e-3 / (line_->mostExtinction() * length * (end - begin)), 0.01, 0.1);
     constexpr int deepest = 24;
     constexpr int parts = 4;
     std::array<double, parts + 1> values{ first, 0., 0., 0., last };
