@@ -95,7 +95,8 @@ report: build $(FORESTS:%=$(BENCH)/%.p8est) $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	  measure="python3 Testing/Benchmark/peers.py $(BENCH) --timeout 150 --json $(REPORT)/peers.json"; \
 	  $$measure --part volume --datasets mandelbulb-0.3M; \
 	  $$measure --part volume --datasets mandelbulb-2.6M --routes treeamr projected-tetra resample-256; \
-	  $$measure --part isosurface --timeout 300' # counting the open edges of 7M triangles takes longest
+	  $$measure --part isosurface --timeout 300; \
+	  pvpython --force-offscreen-rendering Testing/Benchmark/function_peers.py $(REPORT)/peers.json'
 	$(MEASURE_CASES)
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Plugin/TestSoak.py \
 	  $(BENCH)/mandelbulb-0.3M.p8est 1000 > $(REPORT)/soak.log && tail -1 $(REPORT)/soak.log > $(REPORT)/soak.json

@@ -5,6 +5,7 @@
 #include "Interpolation/BlockCache.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/ImageError.h"
 #include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
 #include "Support/RandomTrees.h"
@@ -122,14 +123,10 @@ struct Frame
   }
 };
 
-double rmse(const Image& a, const Image& b)
+/// As errors are estimated.
+double colorRmse(const Image& a, const Image& b)
 {
-  double sum = 0.;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i)
-  {
-    sum += i % 4 < 3 ? std::pow(static_cast<double>(a.rgba[i]) - b.rgba[i], 2) : 0.;
-  }
-  return std::sqrt(sum / (0.75 * static_cast<double>(a.rgba.size())));
+  return rmse(a, b, 3);
 }
 
 /// How many of a set of frames have an estimate within a factor of two of the truth.
@@ -169,7 +166,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwo)
       {
         frame.settings.samplesPerCell = samples;
         const Image image = frame.render();
-        score.add(frame.estimator(image).error(), rmse(image, converged));
+        score.add(frame.estimator(image).error(), colorRmse(image, converged));
       }
     }
   }
@@ -209,7 +206,7 @@ TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
       }
       Frame frame{ *field, transferFunction, camera, {}, hits.stops(begin.data(), end.data()) };
       const Image image = frame.render();
-      score.add(frame.estimator(image).error(), rmse(image, frame.converged()));
+      score.add(frame.estimator(image).error(), colorRmse(image, frame.converged()));
     }
   }
   EXPECT_EQ(score.all, 40);
@@ -267,7 +264,7 @@ TEST(ErrorEstimate, OnePixelIsEstimated)
   volume.render(camera, more, finer);
   const ErrorEstimator estimator(volume, camera, settings, image);
   EXPECT_GT(estimator.error(), 0.);
-  EXPECT_NEAR(estimator.error(), rmse(image, finer), 1e-12);
+  EXPECT_NEAR(estimator.error(), colorRmse(image, finer), 1e-12);
 }
 
 TEST(ErrorEstimate, FindsTheSamplesForAnError)

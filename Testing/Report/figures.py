@@ -125,6 +125,42 @@ def volume_work_precision(rows, error, label, peers=(), quoted=()):
     return svg(figure)
 
 
+def functions(rows):
+    """Error over time by function, one panel for each field."""
+    data = grouped(rows, "dataset")
+    figure, axes = axes_grid(list(data), 2, (5.2, 3.6))
+    # Colours twice, the second time dashed.
+    styles = [(colour, line) for line in ("-", "--") for colour in COLOURS]
+    style_of = dict(zip(grouped(rows, "function"), styles))
+    for dataset, ax in axes.items():
+        loglog(ax, dataset, "CPU-seconds a frame", "RMSE, peak 1")
+        for name, own in grouped(data[dataset], "function").items():
+            colour, line = style_of[name]
+            own = sorted(own, key=lambda row: row["samples_per_cell"])
+            error = [max(row["rmse"], 1e-7) for row in own]
+            ax.plot([row["cpu_s"] for row in own], error, line, marker=".", color=colour, label=name)
+            at = [i for i, row in enumerate(own) if row["samples_per_cell"] == 2]
+            ax.plot([own[i]["cpu_s"] for i in at], [error[i] for i in at], "o", markersize=7,
+                    markerfacecolor="none", color=colour)
+        ax.axhline(1 / 1024, color="#999999", linestyle=":", linewidth=1)
+    shared_legend(figure, axes.values())
+    return svg(figure)
+
+
+def function_strips(rows):
+    """Rows of pixels, one panel for each function: what is right and what is drawn."""
+    figure, axes = axes_grid([row["function"] for row in rows], 2, (5.2, 0.95))
+    names = {"exact": "exact", "treeamr": "TreeAMR", "volume": "Volume"}
+    for row, ax in zip(rows, axes.values()):
+        ax.imshow([row[key] for key in names], aspect="auto", interpolation="nearest")
+        ax.set_title(row["function"], fontsize=9)
+        ax.set_yticks(range(len(names)), names.values())
+        ax.set_xticks([])
+        ax.grid(False)
+        ax.spines[:].set_visible(False)
+    return svg(figure)
+
+
 def kept_values(rows):
     figure, ax = pyplot.subplots(figsize=(6, 3.6))
     budgets = set()

@@ -1,6 +1,7 @@
 """Writes the report: FOLDER/index.html, a page that needs no other file, and FOLDER/report.json.
 
-Of the folder it takes what has been measured: measured.json (treeamr-report), peers.json (peers.py), tests/*.json
+Of the folder it takes what has been measured: measured.json (treeamr-report), peers.json (peers.py and
+function_peers.py), tests/*.json
 (GoogleTest's output of the stiff and extreme cases, whose properties "measured" and "allowed" are the rows),
 soak.json and instructions.json. What is missing is left out of the page and named on it.
 
@@ -23,7 +24,7 @@ import sys
 import figures
 
 PACKAGES = ["paraview", "libembree3-3", "libtbb12", "libhwy1", "g++"]
-LISTS = ["volume", "field", "field_orders", "isosurface", "isosurface_orders", "estimate", "digits"]
+LISTS = ["volume", "functions", "field", "field_orders", "isosurface", "isosurface_orders", "estimate", "digits"]
 # Suites whose cases tell numbers; of the others a fault is survived or not.
 RECORDING = ("StiffCases", "ExtremeCases", "ExtremeWindows")
 
@@ -74,6 +75,7 @@ def gather(folder):
     peers = read_json(folder / "peers.json")
     report["peers"] = peers.get("peers", [])
     report["isosurface_peers"] = peers.get("isosurface_peers", [])
+    report["function_peers"] = peers.get("function_peers", [])
     report["stability"] = read_cases(folder / "tests")
     for name in ("soak", "instructions"):
         report[name] = read_json(folder / f"{name}.json")
@@ -85,6 +87,14 @@ def gather(folder):
 
 def rows(report, name, **labels):
     return [row for row in report[name] if all(row.get(key) == value for key, value in labels.items())]
+
+
+def by_field_and_function(report):
+    """{(field, function): rows by rising samples per cell}"""
+    groups = {}
+    for row in sorted(report["functions"], key=lambda row: row["samples_per_cell"]):
+        groups.setdefault((row["dataset"], row["function"]), []).append(row)
+    return groups
 
 
 def each(report, name, column, low, high, **labels):
@@ -130,6 +140,13 @@ def bounds(report):
     for coarse, fine in zip(samples, samples[1:]):
         yield ("volume, error with more samples over that with fewer", fine["rmse"] / coarse["rmse"], 0, 0.7)
         yield ("volume, samples with more a cell over those with fewer", fine["samples"] / coarse["samples"], 1.01, 8)
+    yield from each(report, "functions", "rmse", 0, 4e-3, samples_per_cell=2)
+    yield from each(report, "functions", "rmse", 0, 1e-3, samples_per_cell=64)
+    of_ends = 0.25 / 1024  # rays end where less light is left
+    for what, own in by_field_and_function(report).items():
+        for coarse, fine in zip(own, own[1:]):
+            yield (f"functions, {', '.join(what)}, error at {fine['samples_per_cell']:g} samples over that at "
+                   f"{coarse['samples_per_cell']:g}", fine["rmse"], 0, 1.1 * coarse["rmse"] + of_ends)
     yield from each(report, "estimate", "share_within_factor_2", 0.95, 1, target=None)
 
 
@@ -197,6 +214,11 @@ def summary(report):
     for row in rows(report, "field_orders", field="smooth", method="GTI", region="inside"):
         lines.append(f"GTI on a smooth field, tree {row['tree']}: order {row['order_mean']:.2f} in the mean, "
                      f"{row['order_max']:.2f} in the maximum.")
+    finest = rows(report, "functions", samples_per_cell=2)
+    if finest:
+        worst = max(finest, key=lambda row: row["rmse"])
+        lines.append(f"Of {len(finest)} pairs of a field and a transfer function the worst at the default of 2 samples per "
+                     f"cell, {worst['dataset']} with {worst['function']}, errs by {worst['rmse']:.1e}.")
     cases = report["stability"]
     if cases:
         lines.append(f"{sum(case['passed'] for case in cases)} of {len(cases)} stiff and extreme cases pass.")
@@ -264,6 +286,45 @@ def volume_section(report):
             ("target met", "share_met", ".0%"), ("cost, of the frame", "cost_share", ".1%"),
             ("CPU-s a frame", "cpu_s_frame", ".3g")], estimate)
     return text
+
+
+def functions_section(report):
+    own = report["functions"]
+    if not own:
+        return ""
+    samples = sorted({row["samples_per_cell"] for row in own})
+    body = [{"field": field, "function": function,
+             **{f"rmse {row['samples_per_cell']:g}": row["rmse"] for row in few},
+             **{f"cpu {row['samples_per_cell']:g}": 1e3 * row["cpu_s"] for row in few}}
+            for (field, function), few in by_field_and_function(report).items()]
+    body.sort(key=lambda row: list(figures.grouped(own, "dataset")).index(row["field"]))
+    text = "<h2>Transfer functions of every kind: error over samples and run time</h2>" + figure(
+        figures.functions(own),
+        f"Along a line from left to right {samples[0]:g} to {samples[-1]:g} samples per cell, the ring is the default of "
+        f"2. Errors are of red, green, blue and opacity of {own[0]['pixels']:.0f} pixels a row, against a converged "
+        "picture that is integrated in double precision, cut wherever the field bends or the function does. Rays end "
+        "where less than a 1024th of their light is left (the dotted line), whatever the samples. The shock jumps from 0 to 1000, of "
+        "which the functions see 0 to 1; spikes are as wide, to each side, as their names tell. Errors below 1e-7 are "
+        "drawn there.")
+    text += "<h3>RMSE by samples per cell</h3>" + table([
+        ("field", "field", None), ("function", "function", None),
+        *((f"{count:g}", f"rmse {count:g}", ".1e") for count in samples),
+        ("CPU-ms at 2", "cpu 2", ".1f"), (f"at {samples[-1]:g}", f"cpu {samples[-1]:g}", ".1f")], body)
+    return text
+
+
+def function_peers_section(report):
+    if not report["function_peers"]:
+        return ""
+    return ("<h3>Transfer functions</h3>") + figure(
+        figures.function_strips(report["function_peers"]),
+        "A linear field, as points of a uniform grid for ParaView's Volume and as cells of a hyper tree grid for TreeAMR, "
+        "both at their defaults, beside the integral along each ray, in a row of pixels. From left to right rays begin at "
+        "values from a millionth to 1; for the logarithmic function, of six decades, also up to a hundredth and to a "
+        "ten thousandth, beside it. Errors include the rounding to 8 bits.") + table([
+            ("function", "function", None), ("TreeAMR: largest error, of 255", "treeamr_error_max", ".2f"),
+            ("RMSE", "treeamr_error_rms", ".2f"), ("ParaView's Volume: largest", "volume_error_max", ".2f"),
+            ("RMSE", "volume_error_rms", ".2f")], report["function_peers"])
 
 
 def field_section(report):
@@ -371,7 +432,7 @@ def digits_section(report):
 
 
 def peers_section(report):
-    if not (report["peers"] or report["isosurface_peers"]):
+    if not (report["peers"] or report["isosurface_peers"] or report["function_peers"]):
         return ""
     common = [("data set", "dataset", None), ("route", lambda row: row["route"].removeprefix("isosurface-"), None),
               ("first picture, CPU-s", "first_picture_cpu_s", ".2f"), ("s", "first_picture_s", ".2f"),
@@ -395,6 +456,7 @@ def peers_section(report):
             ("seen: largest distance", "seen_distance_max", ".1e"), ("mean", "seen_distance_mean", ".1e"),
             ("largest angle, degrees", "seen_angle_max", ".2f"), ("mean", "seen_angle_mean", ".3f"),
             ("mesh: largest distance", "mesh_distance_max", ".1e"), state], report["isosurface_peers"])
+    text += function_peers_section(report)
     worse = losses(report)
     if worse:
         text += "<h3>Where TreeAMR loses</h3><ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in worse) + "</ul>"
@@ -428,7 +490,7 @@ def rest_section(report):
 
 
 def page(report):
-    missing = [name for name in [*LISTS, "peers", "isosurface_peers", "stability", "soak", "instructions"]
+    missing = [name for name in [*LISTS, "peers", "isosurface_peers", "function_peers", "stability", "soak", "instructions"]
                if not report[name]]
     conditions = (f"{html.escape(report['machine'])}; {report['date']}; " + ", ".join(
         f"{html.escape(name)} {html.escape(version)}" for name, version in report["versions"].items()))
@@ -437,7 +499,7 @@ def page(report):
              "those of all threads.</p>",
              "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in summary(report)) + "</ul>",
              f"<p class=conditions>Not measured: {', '.join(missing)}.</p>" if missing else "",
-             volume_section(report), field_section(report), isosurface_section(report), digits_section(report),
+             volume_section(report), functions_section(report), field_section(report), isosurface_section(report), digits_section(report),
              peers_section(report),
              stability_section(report), rest_section(report), "</html>\n"]
     return "".join(parts)

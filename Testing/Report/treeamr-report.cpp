@@ -1,14 +1,15 @@
 // Measures error against run time on the forests of a folder (those of treeamr-benchmark); CPU seconds are
 // those of the whole process on all threads.
 //
-// treeamr-report FOLDER --json FILE [--brief] [--part volume|field|isosurface|estimate|digits]
+// treeamr-report FOLDER --json FILE [--brief] [--part volume|functions|field|isosurface|estimate|digits]
 //
 // Prints tables and writes them to FILE: one list for each part, one row for each setting, and lists of the
 // orders at which errors of field and isosurface fall. --brief is for continuous integration: the first data
-// set alone, in a small picture, with few settings. Field, isosurface and digits need no forests.
+// set alone, in a small picture, with few settings. Functions, field, isosurface and digits need no forests.
 #include "DigitsError.h"
 #include "EstimateError.h"
 #include "FieldError.h"
+#include "FunctionError.h"
 #include "IsosurfaceError.h"
 #include "Options.h"
 #include "Report.h"
@@ -17,6 +18,7 @@
 #include <cstdio>
 #include <exception>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -32,6 +34,8 @@ struct Arguments
   std::string json;
   std::string part; // empty: all
 };
+
+const std::set<std::string_view> parts{ "volume", "functions", "field", "isosurface", "estimate", "digits" };
 
 /// Nothing when they are not understood.
 std::optional<Arguments> parse(int argc, char* argv[])
@@ -51,8 +55,7 @@ std::optional<Arguments> parse(int argc, char* argv[])
     else if (name == "--part" && i + 1 < argc)
     {
       arguments.part = argv[++i];
-      if (arguments.part != "volume" && arguments.part != "field" && arguments.part != "isosurface" &&
-        arguments.part != "estimate" && arguments.part != "digits")
+      if (!parts.contains(arguments.part))
       {
         return std::nullopt;
       }
@@ -76,6 +79,7 @@ std::optional<Arguments> parse(int argc, char* argv[])
 void run(const Arguments& arguments)
 {
   bench::Report volume("volume");
+  bench::Report functions("functions");
   bench::Report field("field");
   bench::Report fieldOrders("field_orders");
   bench::Report isosurface("isosurface");
@@ -86,6 +90,10 @@ void run(const Arguments& arguments)
   if (wanted("volume"))
   {
     measureVolumeError(arguments.options, volume);
+  }
+  if (wanted("functions"))
+  {
+    measureFunctionError(arguments.options, functions);
   }
   if (wanted("field"))
   {
@@ -103,8 +111,8 @@ void run(const Arguments& arguments)
   {
     measureDigits(digits);
   }
-  bench::writeJson(
-    arguments.json, { &volume, &field, &fieldOrders, &isosurface, &isosurfaceOrders, &estimate, &digits });
+  bench::writeJson(arguments.json,
+    { &volume, &functions, &field, &fieldOrders, &isosurface, &isosurfaceOrders, &estimate, &digits });
 }
 
 } // namespace
@@ -118,7 +126,7 @@ int main(int argc, char* argv[])
   {
     std::fprintf(stderr,
       "usage: treeamr-report FOLDER --json FILE [--brief] [--part "
-      "volume|field|isosurface|estimate|digits]\n");
+      "volume|functions|field|isosurface|estimate|digits]\n");
     return 2;
   }
   try

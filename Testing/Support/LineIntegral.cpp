@@ -6,6 +6,17 @@
 namespace treeamr::test
 {
 
+namespace
+{
+
+/// Or sums have no digits for what is less.
+double atMostDense(double extinction)
+{
+  return std::min(extinction, 1e9);
+}
+
+} // namespace
+
 LineIntegral::LineIntegral(const TransferFunction& transferFunction)
 {
   const auto valuesOf = [](const TransferFunction::Entry& e) {
@@ -26,10 +37,38 @@ LineIntegral::LineIntegral(const TransferFunction& transferFunction)
       break;
     }
   }
-  for (const Node& node : nodes_)
+  depths_.push_back(0.);
+  for (std::size_t i = 1; i < nodes_.size(); ++i)
   {
-    mostExtinction_ = std::max({ mostExtinction_, node.below[3], node.above[3] });
+    depths_.push_back(depths_.back() +
+      (nodes_[i].value - nodes_[i - 1].value) * 0.5 *
+        (atMostDense(nodes_[i - 1].above[3]) + atMostDense(nodes_[i].below[3])));
   }
+}
+
+std::size_t LineIntegral::nodesUpTo(double value) const
+{
+  return static_cast<std::size_t>(std::upper_bound(nodes_.begin(), nodes_.end(), value,
+                                    [](double v, const Node& node) { return v < node.value; }) -
+    nodes_.begin());
+}
+
+double LineIntegral::depthUpTo(double value) const
+{
+  const std::size_t next = nodesUpTo(value);
+  const std::size_t node = next > 0 ? next - 1 : 0;
+  const double begin = next > 0 ? nodes_[node].above[3] : nodes_[node].below[3];
+  return depths_[node] +
+    (value - nodes_[node].value) * 0.5 * (atMostDense(begin) + atMostDense(at(value, next)[3]));
+}
+
+double LineIntegral::opticalDepth(double from, double to, double length) const
+{
+  if (from == to)
+  {
+    return length * at(from, nodesUpTo(from))[3];
+  }
+  return length * (depthUpTo(to) - depthUpTo(from)) / (to - from);
 }
 
 LineIntegral::Values LineIntegral::at(double value, std::size_t next) const
@@ -52,11 +91,6 @@ LineIntegral::Values LineIntegral::at(double value, std::size_t next) const
 void LineIntegral::addLight(
   double from, double to, double length, std::array<double, 4>& color, double& transmittance) const
 {
-  const auto nodesUpTo = [&](double value) {
-    return static_cast<std::size_t>(std::upper_bound(nodes_.begin(), nodes_.end(), value,
-                                      [](double v, const Node& node) { return v < node.value; }) -
-      nodes_.begin());
-  };
   std::size_t next = nodesUpTo(from);
   const std::size_t last = nodesUpTo(to);
   if (next == last)

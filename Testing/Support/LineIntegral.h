@@ -20,7 +20,8 @@ public:
   /// opacity, which the step adds to.
   void addLight(
     double from, double to, double length, std::array<double, 4>& color, double& transmittance) const;
-  double mostExtinction() const { return mostExtinction_; }
+  /// About its optical depth, whatever the order of the values; for what is opaque a large one.
+  double opticalDepth(double from, double to, double length) const;
 
 private:
   using Values = std::array<double, 4>; // red, green, blue, extinction
@@ -31,13 +32,16 @@ private:
     Values above;
   };
 
+  std::size_t nodesUpTo(double value) const;
+  /// Of the extinction, from the first node on.
+  double depthUpTo(double value) const;
   /// At a value between nodes `next` - 1 and `next`.
   Values at(double value, std::size_t next) const;
   static void addLine(const Values& from, const Values& to, double length, std::array<double, 4>& color,
     double& transmittance, int depth = 0);
 
   std::vector<Node> nodes_;
-  double mostExtinction_ = 0.;
+  std::vector<double> depths_; // integrals of the extinction from the first node to each
 };
 
 } // namespace treeamr::test

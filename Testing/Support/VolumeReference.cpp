@@ -359,8 +359,6 @@ private:
   void addConverged(TileRay& ray, const FieldAt& fieldAt, double begin, double first, double end, double last,
     double length, int depth)
   {
-    // Of the field's change: where little is seen, more.
-    const double straight = std::clamp(1e-3 / (line_->mostExtinction() * length * (end - begin)), 0.01, 0.1);
     constexpr int deepest = 24;
     constexpr int parts = 4;
     std::array<double, parts + 1> values{ first, 0., 0., 0., last };
@@ -378,6 +376,9 @@ private:
       return;
     }
     const double size = std::max(std::abs(first), std::abs(last));
+    const double depthThere = line_->opticalDepth(*low - bend, *high + bend, length * (end - begin));
+    // Of the field's change: by as much the slope errs, and so what a peak of the function shows.
+    const double straight = std::clamp(2e-4 / (ray.transmittance * depthThere), 1e-3, 0.1);
     if (bend > std::max(straight * std::abs(last - first), 1e-13 * size) && depth < deepest)
     {
       const double middle = 0.5 * (begin + end);
