@@ -32,7 +32,7 @@ public:
   virtual void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) = 0;
   /// Where there is no cell.
   virtual void setMissing(vtkIdType node) = 0;
-  virtual vtkDataArray* array() const noexcept = 0;
+  virtual vtkAbstractArray* array() const noexcept = 0;
 };
 
 template <class T>
@@ -40,12 +40,14 @@ class TypedFiller : public CellArrayFiller
 {
 public:
   void setMissing(vtkIdType node) override { std::fill_n(tuple(node), components_, T()); }
-  vtkDataArray* array() const noexcept override { return array_; }
+  vtkAbstractArray* array() const noexcept override { return array_; }
 
 protected:
-  TypedFiller(const char* name, int components, vtkIdType nodes)
+  /// type: VTK's number of it, for T may be that of several (vtkIdType).
+  TypedFiller(
+    const char* name, int components, vtkIdType nodes, int type = vtkTypeTraits<T>::VTKTypeID())
     // Not vtkAOSDataArrayTemplate::New(): that is no vtkDoubleArray, vtkIntArray ... to those who ask.
-    : array_(vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(vtkTypeTraits<T>::VTKTypeID())))
+    : array_(vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(type)))
     , components_(components)
   {
     array_->SetName(name);
@@ -64,20 +66,13 @@ protected:
   int components_;
 };
 
-/// A member of the leaves' payload; of an inner node the mean of its children, or of integers the first one's.
+/// An inner node has the mean of its children, or of integers the first one's.
 template <class T>
-class PayloadFiller : public TypedFiller<T>
+class BlendedFiller : public TypedFiller<T>
 {
 public:
-  PayloadFiller(const PayloadField& field, vtkIdType nodes)
-    : TypedFiller<T>(field.name.c_str(), field.components, nodes)
-    , offset_(field.offset)
-  {
-  }
-  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
-  {
-    std::memcpy(this->tuple(node), leaf.payload + offset_, this->components_ * sizeof(T));
-  }
+  using TypedFiller<T>::TypedFiller;
+
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
     T* const value = this->tuple(node);
@@ -99,6 +94,22 @@ public:
         value[c] = children[std::countr_zero(present) * this->components_ + c];
       }
     }
+  }
+};
+
+/// A member of the leaves' payload.
+template <class T>
+class PayloadFiller : public BlendedFiller<T>
+{
+public:
+  PayloadFiller(const PayloadField& field, vtkIdType nodes)
+    : BlendedFiller<T>(field.name.c_str(), field.components, nodes)
+    , offset_(field.offset)
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    std::memcpy(this->tuple(node), leaf.payload + offset_, this->components_ * sizeof(T));
   }
 
 private:

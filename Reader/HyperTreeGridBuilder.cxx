@@ -16,16 +16,13 @@
 namespace treeamr
 {
 
-namespace
-{
-
-void setLattice(vtkHyperTreeGrid* grid, const TreeLattice& lattice)
+void setLattice(vtkHyperTreeGrid* grid, const std::array<std::vector<double>, 3>& allPlanes)
 {
   std::array<vtkSmartPointer<vtkDoubleArray>, 3> coordinates;
   std::array<unsigned int, 3> points;
   for (int axis = 0; axis < 3; ++axis)
   {
-    const std::vector<double>& planes = lattice.planes()[axis];
+    const std::vector<double>& planes = allPlanes[axis];
     points[axis] = static_cast<unsigned int>(planes.size());
     coordinates[axis] = vtkSmartPointer<vtkDoubleArray>::New();
     coordinates[axis]->SetNumberOfValues(static_cast<vtkIdType>(planes.size()));
@@ -37,8 +34,6 @@ void setLattice(vtkHyperTreeGrid* grid, const TreeLattice& lattice)
   grid->SetYCoordinates(coordinates[1]);
   grid->SetZCoordinates(coordinates[2]);
 }
-
-} // namespace
 
 HyperTreeGridBuilder::HyperTreeGridBuilder(vtkHyperTreeGrid* grid, const TreeLattice& lattice,
   const std::vector<std::uint64_t>& nodeCounts, std::string source)
@@ -59,7 +54,7 @@ HyperTreeGridBuilder::HyperTreeGridBuilder(vtkHyperTreeGrid* grid, const TreeLat
     }
     treeStarts_.push_back(treeStarts_.back() + static_cast<vtkIdType>(nodes));
   }
-  setLattice(grid, lattice);
+  setLattice(grid, lattice.planes());
 }
 
 HyperTreeGridBuilder::~HyperTreeGridBuilder() = default;

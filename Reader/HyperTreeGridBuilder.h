@@ -62,6 +62,10 @@ private:
   std::uint64_t inner_ = 0;
 };
 
+/// Branch factor 2, and the planes between roots per axis. grid: an empty one.
+VTKTREEAMRREADER_EXPORT void setLattice(
+  vtkHyperTreeGrid* grid, const std::array<std::vector<double>, 3>& planes);
+
 class VTKTREEAMRREADER_EXPORT HyperTreeGridBuilder
 {
 public:

@@ -1,7 +1,8 @@
 // Measures the ray tracer on the forests <name>.p8est of a folder, whose names Scene.cpp has; CPU seconds are those
 // of the whole process on all threads.
 //
-// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points] [--samples S] [--picture FILE.ppm] [--json FILE]
+// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points|unstructured] [--samples S]
+//   [--picture FILE.ppm] [--json FILE]
 //
 // Volume: memory, seconds, and PSNR against the scalar reference at 64 samples per cell, which is kept beside the
 // forest as <name>.reference. Bytes per cell: allocated, resident after the build without its input, and the
@@ -12,6 +13,8 @@
 // and the ray tracer's surface: construction and frames, of which a cold one is the first.
 //
 // Points: nanoseconds a point of the reconstruction, where points are near each other and where they are not.
+//
+// Unstructured: a grid made of the cells as hexahedra, of forests of a few million cells at most.
 //
 // The first two print what their steps take of the system: CPU seconds, those of them in the system, page faults, and the most
 // resident memory.
@@ -26,6 +29,7 @@
 #include "Report.h"
 #include "Scene.h"
 #include "Support/VolumeReference.h"
+#include "UnstructuredFigures.h"
 #include "Volume/Volume.h"
 
 #include <oneapi/tbb/global_control.h>
@@ -56,6 +60,7 @@ struct Options
   bool volume = true;
   bool isosurface = true;
   bool points = true;
+  bool unstructured = true;
   std::string picture;
   std::string json;
   VolumeSettings settings;
@@ -78,11 +83,13 @@ std::optional<Options> parse(int argc, char* argv[])
     {
       options.only = value;
     }
-    else if (name == "--part" && (value == "volume" || value == "isosurface" || value == "points"))
+    else if (name == "--part" &&
+      (value == "volume" || value == "isosurface" || value == "points" || value == "unstructured"))
     {
       options.volume = value == "volume";
       options.isosurface = value == "isosurface";
       options.points = value == "points";
+      options.unstructured = value == "unstructured";
     }
     else if (name == "--picture")
     {
@@ -321,6 +328,22 @@ void runPoints(const Options& options, Report& report)
   }
 }
 
+void runUnstructured(const Options& options, Report& report)
+{
+  constexpr std::size_t most = 5000000; // hexahedra take 270 bytes a cell
+  for (const Scene& scene : makeScenes())
+  {
+    if (options.only.empty() || options.only == scene.name)
+    {
+      const Forest forest = readForest(options.folder + "/" + scene.name + ".p8est");
+      if (forest.cells.size() <= most)
+      {
+        report.add({ scene.name, unstructuredFigures(forest) });
+      }
+    }
+  }
+}
+
 void run(const Options& options)
 {
   if (options.only == "procedural-200M")
@@ -338,6 +361,7 @@ void run(const Options& options)
   Report isosurface("isosurface");
   Report activity("isosurface_activity");
   Report points("points");
+  Report unstructured("unstructured");
   Report system("system");
   std::vector<Row> systemRows; // after the other tables
   if (options.volume)
@@ -352,13 +376,17 @@ void run(const Options& options)
   {
     runPoints(options, points);
   }
+  if (options.unstructured)
+  {
+    runUnstructured(options, unstructured);
+  }
   for (Row& row : systemRows)
   {
     system.add(std::move(row));
   }
   if (!options.json.empty())
   {
-    writeJson(options.json, { &volume, &isosurface, &activity, &points, &system });
+    writeJson(options.json, { &volume, &isosurface, &activity, &points, &unstructured, &system });
   }
 }
 
@@ -372,8 +400,8 @@ int main(int argc, char* argv[])
   if (!options)
   {
     std::fprintf(stderr,
-      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points] [--samples S]\n"
-      "  [--picture FILE.ppm] [--json FILE]\n"
+      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points|unstructured]\n"
+      "  [--samples S] [--picture FILE.ppm] [--json FILE]\n"
       "--picture needs --only\n");
     return 2;
   }

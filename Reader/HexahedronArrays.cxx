@@ -1,0 +1,270 @@
+#include "HexahedronArrays.h"
+
+#include "Error.h"
+
+#include "vtkAbstractArray.h"
+#include "vtkCellData.h"
+#include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkPointData.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <algorithm>
+#include <mutex>
+#include <type_traits>
+
+namespace treeamr
+{
+
+namespace
+{
+
+vtkDataSetAttributes* attributesOf(const HexahedronBlock& block, bool ofPoints)
+{
+  return ofPoints ? static_cast<vtkDataSetAttributes*>(block.grid()->GetPointData())
+                  : block.grid()->GetCellData();
+}
+
+vtkAbstractArray* arrayOf(const HexahedronBlock& block, const HexahedronArray& array)
+{
+  return attributesOf(block, array.ofPoints)->GetAbstractArray(array.name.c_str());
+}
+
+void copyNames(vtkAbstractArray* from, vtkAbstractArray* to)
+{
+  for (int c = 0; c < from->GetNumberOfComponents() && from->HasAComponentName(); ++c)
+  {
+    to->SetComponentName(c, from->GetComponentName(c));
+  }
+  if (from->HasInformation())
+  {
+    to->CopyInformation(from->GetInformation());
+  }
+}
+
+template <class T>
+using TypedArray = vtkAOSDataArrayTemplate<T>;
+
+/// By block; arrays that do not hold their values one after the other are copied so.
+template <class T>
+std::vector<vtkSmartPointer<TypedArray<T>>> typedArrays(
+  const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array)
+{
+  std::vector<vtkSmartPointer<TypedArray<T>>> arrays;
+  for (const HexahedronBlock& block : blocks)
+  {
+    vtkAbstractArray* const found = arrayOf(block, array);
+    vtkSmartPointer<TypedArray<T>> typed = TypedArray<T>::FastDownCast(found);
+    if (!typed)
+    {
+      const auto copy = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(found->GetDataType()));
+      copy->DeepCopy(found);
+      typed = TypedArray<T>::FastDownCast(copy);
+    }
+    arrays.push_back(typed);
+  }
+  return arrays;
+}
+
+template <class T>
+class CellFiller : public BlendedFiller<T>
+{
+public:
+  CellFiller(const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+    : BlendedFiller<T>(array.name.c_str(), arrayOf(blocks.front(), array)->GetNumberOfComponents(), nodes,
+        arrayOf(blocks.front(), array)->GetDataType())
+    , arrays_(typedArrays<T>(blocks, array))
+  {
+    copyNames(arrayOf(blocks.front(), array), this->array());
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    const CellNumber number(leaf.number);
+    std::copy_n(arrays_[number.block()]->GetPointer(number.cell() * this->components_), this->components_,
+      this->tuple(node));
+  }
+
+private:
+  std::vector<vtkSmartPointer<TypedArray<T>>> arrays_; // by block
+};
+
+/// The type that VTK gives the means of an array of T.
+template <class T>
+using MeanType = std::conditional_t<std::is_floating_point_v<T>, T, float>;
+
+template <class T>
+class PointMeanFiller : public BlendedFiller<MeanType<T>>
+{
+public:
+  PointMeanFiller(
+    const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+    : BlendedFiller<MeanType<T>>(
+        array.name.c_str(), arrayOf(blocks.front(), array)->GetNumberOfComponents(), nodes)
+    , blocks_(blocks)
+    , arrays_(typedArrays<T>(blocks, array))
+  {
+    copyNames(arrayOf(blocks.front(), array), this->array());
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    const CellNumber number(leaf.number);
+    const T* const values = arrays_[number.block()]->GetPointer(0);
+    MeanType<T>* const mean = this->tuple(node);
+    for (int c = 0; c < this->components_; ++c)
+    {
+      double sum = 0.;
+      for (int corner = 0; corner < 8; ++corner)
+      {
+        const vtkIdType point = blocks_[number.block()].point(number.cell(), corner);
+        sum += static_cast<double>(values[point * this->components_ + c]);
+      }
+      mean[c] = static_cast<MeanType<T>>(sum / 8.);
+    }
+  }
+
+private:
+  const std::vector<HexahedronBlock>& blocks_;
+  std::vector<vtkSmartPointer<TypedArray<T>>> arrays_; // by block
+};
+
+/// Of what no type of numbers stands for: strings, bits, variants. Rare, so one thread at a time.
+class AnyFiller : public CellArrayFiller
+{
+public:
+  AnyFiller(const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+    : array_(vtk::TakeSmartPointer(arrayOf(blocks.front(), array)->NewInstance()))
+  {
+    for (const HexahedronBlock& block : blocks)
+    {
+      sources_.push_back(arrayOf(block, array));
+    }
+    array_->SetName(array.name.c_str());
+    array_->SetNumberOfComponents(sources_.front()->GetNumberOfComponents());
+    array_->SetNumberOfTuples(nodes);
+    copyNames(sources_.front(), array_);
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    const std::lock_guard lock(mutex_);
+    const CellNumber number(leaf.number);
+    array_->SetTuple(node, number.cell(), sources_[number.block()]);
+  }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  {
+    const std::lock_guard lock(mutex_);
+    array_->SetTuple(node, firstChild + std::countr_zero(present), array_);
+  }
+  void setMissing(vtkIdType node) override
+  {
+    for (int c = 0; c < array_->GetNumberOfComponents(); ++c)
+    {
+      array_->SetVariantValue(node * array_->GetNumberOfComponents() + c,
+        array_->GetDataType() == VTK_STRING ? vtkVariant("") : vtkVariant(0));
+    }
+  }
+  vtkAbstractArray* array() const noexcept override { return array_; }
+
+private:
+  vtkSmartPointer<vtkAbstractArray> array_;
+  std::vector<vtkAbstractArray*> sources_; // by block
+  std::mutex mutex_;
+};
+
+/// Adds the names of the arrays that all blocks have alike.
+void addArrays(const std::vector<HexahedronBlock>& blocks, bool ofPoints, HexahedronArrays& result)
+{
+  const std::string kind = ofPoints ? "point" : "cell";
+  for (const HexahedronBlock& block : blocks)
+  {
+    vtkDataSetAttributes* const attributes = attributesOf(block, ofPoints);
+    for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
+    {
+      vtkAbstractArray* const array = attributes->GetAbstractArray(i);
+      const std::string name = array->GetName() ? array->GetName() : "";
+      const auto isKnown = [&](const HexahedronArray& known) { return known.name == name; };
+      if (name == vtkDataSetAttributes::GhostArrayName() || std::ranges::any_of(result.arrays, isKnown) ||
+        std::ranges::any_of(result.leftOut, [&](const std::string& text) {
+          return text.starts_with(kind + " array '" + name + "'");
+        }))
+      {
+        continue;
+      }
+      const HexahedronArray candidate{ name, ofPoints };
+      std::string objection;
+      if (name.empty())
+      {
+        objection = "has no name";
+      }
+      else if (ofPoints && (!vtkDataArray::SafeDownCast(array) || array->GetDataType() == VTK_BIT))
+      {
+        objection = "has no mean, for it is a " + std::string(array->GetClassName());
+      }
+      for (const HexahedronBlock& other : blocks)
+      {
+        vtkAbstractArray* const same = objection.empty() ? arrayOf(other, candidate) : nullptr;
+        if (objection.empty() &&
+          (!same || same->GetDataType() != array->GetDataType() ||
+            same->GetNumberOfComponents() != array->GetNumberOfComponents()))
+        {
+          objection = (same ? "is of another type in " : "is not in ") + other.name();
+        }
+        const vtkIdType needed = ofPoints ? other.pointCount() : other.cellCount();
+        if (same && same->GetNumberOfTuples() < needed)
+        {
+          throw Error((other.name().empty() ? "" : other.name() + ": ") + kind + " array '" + name + "' has " +
+            std::to_string(same->GetNumberOfTuples()) + " tuples, allowed are " + std::to_string(needed) +
+            ", one a " + kind);
+        }
+      }
+      if (objection.empty())
+      {
+        result.arrays.push_back(candidate);
+        if (ofPoints)
+        {
+          result.averaged.push_back(name);
+        }
+      }
+      else
+      {
+        result.leftOut.push_back(kind + " array '" + name + "' " + objection);
+      }
+    }
+  }
+}
+
+} // namespace
+
+HexahedronArrays arraysOf(const std::vector<HexahedronBlock>& blocks)
+{
+  HexahedronArrays result;
+  addArrays(blocks, false, result);
+  const auto cellArrays = result.arrays.size();
+  addArrays(blocks, true, result);
+  for (const bool ofPoints : { true, false }) // those of cells come before
+  {
+    vtkDataArray* const scalars = attributesOf(blocks.front(), ofPoints)->GetScalars();
+    const auto found = std::ranges::find_if(result.arrays, [&](const HexahedronArray& array) {
+      return scalars && scalars->GetName() && array.name == scalars->GetName() && array.ofPoints == ofPoints;
+    });
+    if (found != result.arrays.end() && (!ofPoints || cellArrays == 0))
+    {
+      std::rotate(result.arrays.begin(), found, found + 1);
+    }
+  }
+  return result;
+}
+
+std::unique_ptr<CellArrayFiller> makeFiller(
+  const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+{
+  switch (arrayOf(blocks.front(), array)->GetDataType())
+  {
+    vtkTemplateMacro(
+      if (array.ofPoints) return std::make_unique<PointMeanFiller<VTK_TT>>(blocks, array, nodes);
+      return std::make_unique<CellFiller<VTK_TT>>(blocks, array, nodes));
+    default:
+      return std::make_unique<AnyFiller>(blocks, array, nodes);
+  }
+}
+
+} // namespace treeamr

@@ -1,0 +1,226 @@
+#include "HexahedronBlocks.h"
+
+#include "Error.h"
+
+#include "vtkAOSDataArrayTemplate.h"
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkCellType.h"
+#include "vtkCellTypes.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
+#include "vtkDataSet.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkDoubleArray.h"
+#include "vtkGenericCell.h"
+#include "vtkInformation.h"
+#include "vtkPoints.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <sstream>
+#include <utility>
+
+namespace treeamr
+{
+
+namespace
+{
+
+bool isHexahedron(unsigned char type) noexcept
+{
+  return type == VTK_VOXEL || type == VTK_HEXAHEDRON;
+}
+
+template <class Array>
+auto pointerTo(Array* array)
+{
+  return array->GetNumberOfValues() > 0 ? array->GetPointer(0) : nullptr;
+}
+
+} // namespace
+
+std::string textOf(const std::array<double, 3>& values)
+{
+  std::ostringstream text;
+  text.precision(10);
+  text << '(' << values[0] << ", " << values[1] << ", " << values[2] << ')';
+  return text.str();
+}
+
+HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
+  : grid_(grid)
+  , name_(std::move(name))
+  , cellCount_(grid->GetNumberOfCells())
+  , pointCount_(grid->GetNumberOfPoints())
+{
+  const std::string prefix = name_.empty() ? "" : name_ + ": ";
+  vtkUnsignedCharArray* const types = grid->GetCellTypesArray();
+  if (!types || types->GetNumberOfValues() < cellCount_)
+  {
+    throw Error(prefix + std::to_string(types ? types->GetNumberOfValues() : 0) + " cell types, allowed are " +
+      std::to_string(cellCount_) + ", one a cell");
+  }
+  types_ = pointerTo(types);
+  if (vtkUnsignedCharArray* const ghosts = grid->GetCellGhostArray())
+  {
+    if (ghosts->GetNumberOfTuples() < cellCount_)
+    {
+      throw Error(prefix + "vtkGhostType has " + std::to_string(ghosts->GetNumberOfTuples()) +
+        " tuples, allowed are " + std::to_string(cellCount_) + ", one a cell");
+    }
+    ghosts_ = pointerTo(ghosts);
+  }
+
+  vtkCellArray* const cells = grid->GetCells();
+  idCount_ = cells->GetNumberOfConnectivityIds();
+  if (cells->IsStorage64Bit())
+  {
+    longOffsets_ = reinterpret_cast<const std::int64_t*>(pointerTo(cells->GetOffsetsArray64()));
+    longIds_ = reinterpret_cast<const std::int64_t*>(pointerTo(cells->GetConnectivityArray64()));
+  }
+  else
+  {
+    offsets_ = pointerTo(cells->GetOffsetsArray32());
+    ids_ = pointerTo(cells->GetConnectivityArray32());
+  }
+
+  if (pointCount_ > 0)
+  {
+    coordinates_ = grid->GetPoints()->GetData();
+    if (!vtkAOSDataArrayTemplate<float>::FastDownCast(coordinates_) &&
+      !vtkAOSDataArrayTemplate<double>::FastDownCast(coordinates_))
+    {
+      const auto copy = vtkSmartPointer<vtkDoubleArray>::New();
+      copy->DeepCopy(coordinates_);
+      coordinates_ = copy;
+    }
+    if (auto* const floats = vtkAOSDataArrayTemplate<float>::FastDownCast(coordinates_))
+    {
+      floats_ = floats->GetPointer(0);
+    }
+    else
+    {
+      doubles_ = vtkAOSDataArrayTemplate<double>::FastDownCast(coordinates_)->GetPointer(0);
+    }
+  }
+}
+
+HexahedronBlock::~HexahedronBlock() = default;
+HexahedronBlock::HexahedronBlock(HexahedronBlock&&) noexcept = default;
+
+bool HexahedronBlock::isLeftOut(vtkIdType cell) const noexcept
+{
+  constexpr unsigned char flags =
+    vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
+  return ghosts_ && (ghosts_[cell] & flags) != 0;
+}
+
+bool HexahedronBlock::hasCorners(vtkIdType cell) const noexcept
+{
+  if (!isHexahedron(types_[cell]))
+  {
+    return false;
+  }
+  const vtkIdType begin = longIds_ ? vtkIdType(longOffsets_[cell]) : ids_ ? vtkIdType(offsets_[cell]) : 0;
+  const vtkIdType end = longIds_ ? vtkIdType(longOffsets_[cell + 1]) : ids_ ? vtkIdType(offsets_[cell + 1]) : 0;
+  if (end - begin != 8 || begin < 0 || end > idCount_)
+  {
+    return false;
+  }
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const vtkIdType p = this->point(cell, corner);
+    if (p < 0 || p >= pointCount_)
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+CornerCoordinates HexahedronBlock::corners(vtkIdType cell) const noexcept
+{
+  CornerCoordinates corners;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const vtkIdType at = 3 * this->point(cell, corner);
+    for (int a = 0; a < 3; ++a)
+    {
+      corners[a][corner] = floats_ ? double(floats_[at + a]) : doubles_[at + a];
+    }
+  }
+  return corners;
+}
+
+std::string HexahedronBlock::describe(vtkIdType cell) const
+{
+  std::ostringstream text;
+  text << (name_.empty() ? "" : name_ + ", ") << "cell " << cell;
+  if (!isHexahedron(types_[cell]))
+  {
+    vtkNew<vtkGenericCell> generic;
+    generic->SetCellType(types_[cell]);
+    const int dimension = generic->GetCellDimension();
+    const char* const typeName = vtkCellTypes::GetClassNameFromTypeId(types_[cell]);
+    text << ", a " << typeName << (dimension < 3 ? " of " + std::to_string(dimension) + " dimensions" : "");
+  }
+  if (isHexahedron(types_[cell]) && !this->hasCorners(cell))
+  {
+    text << ", a hexahedron whose points are not eight of the " << pointCount_ << " there are";
+    return text.str();
+  }
+  AxisBox box;
+  if (this->hasCorners(cell))
+  {
+    box = boxAround(this->corners(cell));
+  }
+  else
+  {
+    std::array<double, 6> bounds;
+    grid_->GetCellBounds(cell, bounds.data());
+    box = { { bounds[0], bounds[2], bounds[4] }, { bounds[1], bounds[3], bounds[5] } };
+  }
+  text << ", which reaches from " << textOf(box.low) << " to " << textOf(box.high);
+  return text.str();
+}
+
+std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input)
+{
+  std::vector<HexahedronBlock> blocks;
+  const auto add = [&](vtkDataObject* data, const std::string& name) {
+    if (auto* const grid = vtkUnstructuredGrid::SafeDownCast(data))
+    {
+      if (grid->GetNumberOfCells() > 0)
+      {
+        blocks.emplace_back(grid, name);
+      }
+      return;
+    }
+    auto* const set = vtkDataSet::SafeDownCast(data);
+    if (!set || set->GetNumberOfCells() > 0)
+    {
+      throw Error(
+        (name.empty() ? "the input" : name) + " is a " + data->GetClassName() + ", allowed is vtkUnstructuredGrid");
+    }
+  };
+  auto* const composite = vtkCompositeDataSet::SafeDownCast(input);
+  if (!composite)
+  {
+    add(input, {});
+    return blocks;
+  }
+  const auto leaves = vtk::TakeSmartPointer(composite->NewIterator());
+  for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
+  {
+    std::string name = "block " + std::to_string(leaves->GetCurrentFlatIndex());
+    if (leaves->HasCurrentMetaData() && leaves->GetCurrentMetaData()->Has(vtkCompositeDataSet::NAME()))
+    {
+      name += " '" + std::string(leaves->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME())) + "'";
+    }
+    add(leaves->GetCurrentDataObject(), name);
+  }
+  return blocks;
+}
+
+} // namespace treeamr

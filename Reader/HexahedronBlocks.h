@@ -1,0 +1,99 @@
+// The hexahedra and voxels of unstructured grids, by their corners' coordinates and points, to be read by several threads.
+// Private to the module.
+#pragma once
+
+#include "Forest/BoxLattice.h"
+
+#include "vtkSmartPointer.h"
+#include "vtkType.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+class vtkDataArray;
+class vtkDataObject;
+
+namespace treeamr
+{
+
+/// Of a block and in it; in the order of both.
+class CellNumber
+{
+public:
+  CellNumber(std::size_t block, vtkIdType cell) noexcept
+    : number_(std::uint64_t(block) << cellBits | static_cast<std::uint64_t>(cell))
+  {
+  }
+  explicit CellNumber(std::uint64_t number) noexcept
+    : number_(number)
+  {
+  }
+  std::uint64_t number() const noexcept { return number_; }
+  std::size_t block() const noexcept { return static_cast<std::size_t>(number_ >> cellBits); }
+  vtkIdType cell() const noexcept
+  {
+    return static_cast<vtkIdType>(number_ & ((std::uint64_t(1) << cellBits) - 1));
+  }
+
+private:
+  static constexpr int cellBits = 40;
+  std::uint64_t number_;
+};
+
+class HexahedronBlock
+{
+public:
+  /// name: for messages, empty when there is no other. Throws Error for a grid that is not whole.
+  HexahedronBlock(vtkUnstructuredGrid* grid, std::string name);
+  ~HexahedronBlock();
+  HexahedronBlock(HexahedronBlock&&) noexcept;
+
+  vtkUnstructuredGrid* grid() const noexcept { return grid_; }
+  const std::string& name() const noexcept { return name_; }
+  vtkIdType cellCount() const noexcept { return cellCount_; }
+  vtkIdType pointCount() const noexcept { return pointCount_; }
+  bool hasFloats() const noexcept { return floats_ != nullptr; }
+
+  /// Copies of other processes' cells, and what VTK does not show.
+  bool isLeftOut(vtkIdType cell) const noexcept;
+  /// Whether the cell is a hexahedron or voxel of eight points there are.
+  bool hasCorners(vtkIdType cell) const noexcept;
+  /// Of a cell that has corners.
+  vtkIdType point(vtkIdType cell, int corner) const noexcept
+  {
+    return longIds_ ? static_cast<vtkIdType>(longIds_[longOffsets_[cell] + corner])
+                    : static_cast<vtkIdType>(ids_[offsets_[cell] + corner]);
+  }
+  CornerCoordinates corners(vtkIdType cell) const noexcept;
+
+  /// What kind of cell it is and what is wrong with it as a hexahedron, or where it lies. Of one thread.
+  std::string describe(vtkIdType cell) const;
+
+private:
+  vtkSmartPointer<vtkUnstructuredGrid> grid_;
+  std::string name_;
+  vtkSmartPointer<vtkDataArray> coordinates_; // of float or double, one after the other
+  vtkIdType cellCount_ = 0;
+  vtkIdType pointCount_ = 0;
+  vtkIdType idCount_ = 0;
+  const float* floats_ = nullptr;
+  const double* doubles_ = nullptr;
+  const unsigned char* types_ = nullptr;
+  const unsigned char* ghosts_ = nullptr;
+  // Of one or the other width.
+  const std::int64_t* longOffsets_ = nullptr;
+  const std::int64_t* longIds_ = nullptr;
+  const std::int32_t* offsets_ = nullptr;
+  const std::int32_t* ids_ = nullptr;
+};
+
+/// (x, y, z), for messages.
+std::string textOf(const std::array<double, 3>& values);
+
+/// Those of a vtkUnstructuredGrid or of all in a composite data set that have cells. Throws Error for data of other kinds.
+std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input);
+
+} // namespace treeamr

@@ -1,0 +1,69 @@
+/**
+ * @class   vtkTreeAMRFromUnstructured
+ * @brief   makes a vtkHyperTreeGrid of the octree's leaves that unstructured grids hold as hexahedra
+ *
+ * What writers of p8est_vtk, deal.II, ForestClaw, t8code and others export of an octree or of a forest of octrees: cells of
+ * VTK_HEXAHEDRON and VTK_VOXEL, their points shared or not, in any order, of any levels. Input is a vtkUnstructuredGrid or a
+ * composite data set of them, all of whose blocks become one grid.
+ *
+ * The largest cells say how wide the roots are; every other cell has half, a quarter ... of that along all three axes and
+ * begins at a multiple of its own widths from one of the largest. Coordinates may be rounded, to float or to six digits,
+ * and cells shrunk about their centres, all alike. See Forest/BoxLattice.h for how much. Roots are joined to larger ones as
+ * long as their numbers are even along all axes. Where there is no cell the grid is masked.
+ *
+ * Of cells at one place the first counts, and none that vtkGhostType marks as duplicate, refined or hidden. An error names
+ * the first cell that is no box along the axes or fits not the lattice, with its bounds, and cells that overlap; the output is
+ * empty then. Of no cells it is empty, too, without an error.
+ *
+ * Cell arrays keep type, name, components and values. Arrays of points that no cell array has the name of become cell
+ * arrays of the means of a cell's eight points, as vtkPointDataToCellData makes them: a warning says so, once until that
+ * changes. It also names arrays that not all blocks have alike, which are left out. A coarse cell has the mean of its
+ * children in arrays of float and double, and the value of its first child in others.
+ *
+ * In parallel the first process asks for the whole input and makes all of the grid; those of the others are empty. A
+ * warning there says when the input is one that cannot be asked, but has other cells in each process.
+ */
+#ifndef vtkTreeAMRFromUnstructured_h
+#define vtkTreeAMRFromUnstructured_h
+
+#include "vtkHyperTreeGridAlgorithm.h"
+#include "vtkTreeAMRReaderModule.h"
+
+#include <memory> // for std::unique_ptr
+#include <string>
+
+namespace treeamr
+{
+class OnceReporter;
+} // namespace treeamr
+
+class VTKTREEAMRREADER_EXPORT vtkTreeAMRFromUnstructured : public vtkHyperTreeGridAlgorithm
+{
+public:
+  static vtkTreeAMRFromUnstructured* New();
+  vtkTypeMacro(vtkTreeAMRFromUnstructured, vtkHyperTreeGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+protected:
+  vtkTreeAMRFromUnstructured();
+  ~vtkTreeAMRFromUnstructured() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(
+    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
+  int ProcessTrees(vtkHyperTreeGrid* input, vtkDataObject* output) override;
+
+private:
+  vtkTreeAMRFromUnstructured(const vtkTreeAMRFromUnstructured&) = delete;
+  void operator=(const vtkTreeAMRFromUnstructured&) = delete;
+
+  void Convert(vtkDataObject* input, vtkHyperTreeGrid* output);
+  void Warn(const std::string& message);
+
+  std::unique_ptr<treeamr::OnceReporter> Warnings;
+};
+
+#endif

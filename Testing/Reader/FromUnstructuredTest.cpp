@@ -1,0 +1,654 @@
+// Octrees exported as hexahedra come back as they were, cell by cell; what is no octree is an error that says which cell.
+#include "vtkTreeAMRFromUnstructured.h"
+#include "vtkTreeAMRP4estReader.h"
+
+#include "Support/Hexahedra.h"
+#include "Support/HyperTreeGrids.h"
+#include "Support/RandomTrees.h"
+
+#include "vtkBitArray.h"
+#include "vtkCellArray.h"
+#include "vtkCellData.h"
+#include "vtkCellType.h"
+#include "vtkCommand.h"
+#include "vtkDataArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkHyperTreeGridNonOrientedGeometryCursor.h"
+#include "vtkIdTypeArray.h"
+#include "vtkImageData.h"
+#include "vtkIntArray.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkNew.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPointDataToCellData.h"
+#include "vtkPoints.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
+#include "vtkTrivialProducer.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkUnstructuredGrid.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+struct Result
+{
+  vtkSmartPointer<vtkHyperTreeGrid> grid;
+  std::vector<std::string> errors;
+  std::vector<std::string> warnings;
+};
+
+Result convert(vtkDataObject* input)
+{
+  vtkNew<vtkTreeAMRFromUnstructured> filter;
+  const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
+  const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
+  filter->SetInputDataObject(input);
+  filter->Update();
+  Result result{ vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0)), errors.messages(),
+    warnings.messages() };
+  return result;
+}
+
+/// Calls visit(bounds, global index) at each leaf that is not masked.
+void forEachLeaf(vtkHyperTreeGrid* grid, const std::function<void(const double*, vtkIdType)>& visit)
+{
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
+  grid->InitializeTreeIterator(trees);
+  vtkIdType tree = 0;
+  while (trees.GetNextTree(tree))
+  {
+    vtkNew<vtkHyperTreeGridNonOrientedGeometryCursor> cursor;
+    grid->InitializeNonOrientedGeometryCursor(cursor, tree);
+    const std::function<void()> walk = [&] {
+      if (cursor->IsMasked())
+      {
+        return;
+      }
+      if (cursor->IsLeaf())
+      {
+        double bounds[6];
+        cursor->GetBounds(bounds);
+        visit(bounds, cursor->GetGlobalNodeIndex());
+        return;
+      }
+      for (unsigned char o = 0; o < 8; ++o)
+      {
+        cursor->ToChild(o);
+        walk();
+        cursor->ToParent();
+      }
+    };
+    walk();
+  }
+}
+
+/// The leaves are the cells, with their values.
+void expectCells(vtkHyperTreeGrid* grid, const std::vector<CellId>& cells, const HexahedronExport& options)
+{
+  vtkCellData* const data = grid->GetCellData();
+  ASSERT_TRUE(vtkIntArray::SafeDownCast(data->GetArray("number")));
+  ASSERT_TRUE(vtkDoubleArray::SafeDownCast(data->GetArray("hash")));
+  ASSERT_EQ(data->GetArray("hash")->GetNumberOfComponents(), 3);
+  EXPECT_STREQ(data->GetArray("hash")->GetComponentName(1), "second");
+  std::vector<int> seen(cells.size(), 0);
+  int wrong = 0;
+  forEachLeaf(grid, [&](const double* bounds, vtkIdType id) {
+    const auto number = static_cast<int>(data->GetArray("number")->GetComponent(id, 0));
+    ASSERT_LT(number, static_cast<int>(cells.size()));
+    ++seen[number];
+    const CellId& cell = cells[number];
+    for (int a = 0; a < 3; ++a)
+    {
+      const double width = std::ldexp(options.rootSize[a], -cell.level);
+      const double low = options.origin[a] + static_cast<double>(cell.index[a]) * width;
+      const double allowed = options.floats || options.scale < 1. ? width / 8. : width * 1e-4;
+      wrong += !(std::abs(bounds[2 * a] - low) < allowed && std::abs(bounds[2 * a + 1] - low - width) < allowed);
+      wrong += data->GetArray("hash")->GetComponent(id, a) != hashOf(number, a);
+    }
+  });
+  EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(std::ranges::count(seen, 1), static_cast<std::ptrdiff_t>(cells.size()));
+}
+
+std::vector<CellId> cellsOf(const RandomTree& tree)
+{
+  std::vector<CellId> cells;
+  for (const LeafCell& leaf : makeRandomTree(tree))
+  {
+    cells.push_back(leaf.cell);
+  }
+  return cells;
+}
+
+void expectRoundTrip(const std::vector<CellId>& cells, const HexahedronExport& options)
+{
+  const Result result = convert(makeHexahedra(cells, options));
+  ASSERT_TRUE(result.errors.empty()) << result.errors[0];
+  expectCells(result.grid, cells, options);
+}
+
+/// Eight cells of half a root, in the first of two roots, and the second root.
+std::vector<CellId> nineCells()
+{
+  std::vector<CellId> cells;
+  for (int o = 0; o < 8; ++o)
+  {
+    cells.push_back({ indexOfChild({ 0, 0, 0 }, o), 1 });
+  }
+  cells.push_back({ { 1, 0, 0 }, 0 });
+  return cells;
+}
+
+std::string errorOf(vtkDataObject* input)
+{
+  const Result result = convert(input);
+  EXPECT_EQ(result.grid->GetNumberOfNonEmptyTrees(), 0);
+  EXPECT_EQ(result.errors.size(), 1u);
+  return result.errors.empty() ? "" : result.errors[0];
+}
+
+void expectIn(const std::string& text, const std::string& part)
+{
+  EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+} // namespace
+
+TEST(FromUnstructured, OctreesComeBack)
+{
+  std::uint32_t seed = 0;
+  for (const RandomTree& tree : propertyTrees())
+  {
+    const std::vector<CellId> cells = cellsOf(tree);
+    ++seed;
+    HexahedronExport options;
+    options.seed = seed % 4 == 0 ? 0 : seed;
+    options.sharedPoints = seed % 2 == 0;
+    options.floats = seed % 3 == 0;
+    options.voxels = seed % 5 < 2;
+    options.duplicates = seed % 4 == 1 ? 20 : 0;
+    if (seed % 7 > 2)
+    {
+      options.origin = { -1. / 3., 1e3, 0.1 };
+      options.rootSize = { 0.7, 1e2, 1. / 3. };
+    }
+    SCOPED_TRACE(seed);
+    expectRoundTrip(cells, options);
+  }
+}
+
+TEST(FromUnstructured, ShrunkCellsHaveTheirPlacesFilled)
+{
+  for (const bool floats : { false, true })
+  {
+    for (const double scale : { 0.95, 0.5 })
+    {
+      HexahedronExport options;
+      options.scale = scale;
+      options.floats = floats;
+      options.seed = 3;
+      options.rootSize = { 0.3, 1., 2. };
+      RandomTree tree;
+      tree.roots = { 3, 2, 1 };
+      tree.levels = 5;
+      expectRoundTrip(cellsOf(tree), options);
+      expectRoundTrip(nineCells(), options);
+    }
+  }
+}
+
+TEST(FromUnstructured, DeepTrees)
+{
+  // Down to a corner, in doubles beyond what floats can tell; with several roots keys of more than a word.
+  for (const int depth : { 19, 25, 31 })
+  {
+    for (const Coord roots : { 1, 3 })
+    {
+      std::vector<CellId> cells;
+      for (Coord r = 1; r < roots; ++r)
+      {
+        cells.push_back({ { r, 0, 0 }, 0 });
+      }
+      for (int level = 1; level <= depth; ++level)
+      {
+        for (int o = level < depth ? 1 : 0; o < 8; ++o)
+        {
+          cells.push_back({ indexOfChild({ 0, 0, 0 }, o), level });
+        }
+      }
+      HexahedronExport options;
+      options.seed = 5;
+      options.origin = { -0.7, 0., 0.1 };
+      SCOPED_TRACE(depth);
+      const Result result = convert(makeHexahedra(cells, options));
+      if (roots == 1)
+      {
+        // The largest boxes are halves of the domain: there is one root of eight of them.
+        EXPECT_EQ(result.grid->GetNumberOfNonEmptyTrees(), 1);
+      }
+      ASSERT_TRUE(result.errors.empty()) << result.errors[0];
+      expectCells(result.grid, cells, options);
+    }
+  }
+}
+
+TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEven)
+{
+  for (const auto& [roots, joined] :
+    { std::pair<std::array<int, 3>, std::array<int, 3>>{ { 8, 8, 8 }, { 1, 1, 1 } },
+      { { 12, 4, 8 }, { 3, 1, 2 } }, { { 3, 4, 4 }, { 3, 4, 4 } } })
+  {
+    RandomTree tree;
+    tree.roots = roots;
+    tree.levels = 0;
+    HexahedronExport options;
+    options.origin = { 0.1, 0.2, 0.3 };
+    options.rootSize = { 0.1, 0.1, 0.1 };
+    const std::vector<CellId> cells = cellsOf(tree);
+    const Result result = convert(makeHexahedra(cells, options));
+    ASSERT_TRUE(result.errors.empty()) << result.errors[0];
+    expectCells(result.grid, cells, options);
+    const unsigned int* const dimensions = result.grid->GetDimensions();
+    for (int a = 0; a < 3; ++a)
+    {
+      EXPECT_EQ(dimensions[a], joined[a] + 1u);
+    }
+    // The ends are the cells' own coordinates.
+    double bounds[6];
+    result.grid->GetBounds(bounds);
+    EXPECT_EQ(bounds[0], 0.1);
+    EXPECT_EQ(bounds[1], 0.1 + roots[0] * 0.1);
+  }
+}
+
+TEST(FromUnstructured, SplitPatches)
+{
+  // deal.II's DataOut writes each cell of an octree as n^3 cells.
+  RandomTree tree;
+  tree.roots = { 2, 1, 1 };
+  tree.levels = 3;
+  for (const Coord n : { 2, 3, 4, 5 })
+  {
+    std::vector<CellId> cells;
+    HexahedronExport options;
+    for (const CellId& cell : cellsOf(tree))
+    {
+      for (Coord i = 0; i < n * n * n; ++i)
+      {
+        cells.push_back({ { n * cell.index[0] + i % n, n * cell.index[1] + i / n % n, n * cell.index[2] + i / n / n },
+          cell.level });
+      }
+    }
+    for (double& size : options.rootSize)
+    {
+      size = 1. / static_cast<double>(n);
+    }
+    SCOPED_TRACE(n);
+    options.floats = true;
+    expectRoundTrip(cells, options);
+  }
+}
+
+TEST(FromUnstructured, RoundedToSixDigits)
+{
+  RandomTree tree;
+  tree.roots = { 3, 3, 2 };
+  tree.levels = 4;
+  const std::vector<CellId> cells = cellsOf(tree);
+  HexahedronExport options;
+  options.origin = { 1. / 3., 12345., -1. / 7. };
+  options.rootSize = { 1. / 3., 1000., 1. / 7. };
+  const auto grid = makeHexahedra(cells, options);
+  for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
+  {
+    std::array<double, 3> p;
+    grid->GetPoint(i, p.data());
+    for (double& x : p)
+    {
+      char text[32];
+      std::snprintf(text, sizeof(text), "%g", x);
+      x = std::strtod(text, nullptr);
+    }
+    grid->GetPoints()->SetPoint(i, p.data());
+  }
+  const Result result = convert(grid);
+  ASSERT_TRUE(result.errors.empty()) << result.errors[0];
+  options.floats = true; // not exact
+  expectCells(result.grid, cells, options);
+}
+
+TEST(FromUnstructured, OneCellAndNone)
+{
+  expectRoundTrip({ { { 0, 0, 0 }, 0 } }, {});
+  vtkNew<vtkUnstructuredGrid> empty;
+  const Result none = convert(empty);
+  EXPECT_TRUE(none.errors.empty());
+  EXPECT_EQ(none.grid->GetNumberOfNonEmptyTrees(), 0);
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  blocks->SetBlock(0, empty);
+  blocks->SetBlock(3, nullptr);
+  EXPECT_TRUE(convert(blocks).errors.empty());
+}
+
+TEST(FromUnstructured, CollectionsAreOneGrid)
+{
+  RandomTree tree;
+  tree.roots = { 2, 2, 2 };
+  const std::vector<CellId> cells = cellsOf(tree);
+  HexahedronExport options;
+  options.seed = 1;
+  const auto whole = makeHexahedra(cells, options);
+  // The blocks' cells keep their numbers among all; some are in two blocks.
+  std::array<vtkSmartPointer<vtkUnstructuredGrid>, 3> parts;
+  for (std::size_t p = 0; p < 3; ++p)
+  {
+    parts[p] = vtkSmartPointer<vtkUnstructuredGrid>::New();
+    parts[p]->SetPoints(whole->GetPoints());
+    parts[p]->Allocate(1);
+    parts[p]->GetCellData()->CopyAllocate(whole->GetCellData());
+    for (vtkIdType i = 0; i < whole->GetNumberOfCells(); ++i)
+    {
+      if (static_cast<std::size_t>(i) % 3 == p || static_cast<std::size_t>(i) % 7 == p)
+      {
+        const vtkIdType cell = parts[p]->InsertNextCell(whole->GetCellType(i), whole->GetCell(i)->GetPointIds());
+        parts[p]->GetCellData()->CopyData(whole->GetCellData(), i, cell);
+      }
+    }
+  }
+  vtkNew<vtkMultiBlockDataSet> blocks;
+  vtkNew<vtkPartitionedDataSet> partitions;
+  for (unsigned int p = 0; p < 3; ++p)
+  {
+    blocks->SetBlock(2 * p, parts[p]);
+    partitions->SetPartition(p, parts[p]);
+  }
+  vtkNew<vtkPartitionedDataSetCollection> collection;
+  collection->SetPartitionedDataSet(0, partitions);
+  for (vtkDataObject* const input : { static_cast<vtkDataObject*>(blocks), static_cast<vtkDataObject*>(partitions),
+         static_cast<vtkDataObject*>(collection) })
+  {
+    const Result result = convert(input);
+    ASSERT_TRUE(result.errors.empty()) << result.errors[0];
+    expectCells(result.grid, cells, options);
+  }
+  // What one block lacks is named.
+  parts[1]->GetCellData()->RemoveArray("hash");
+  const Result partial = convert(blocks);
+  EXPECT_TRUE(partial.errors.empty());
+  ASSERT_EQ(partial.warnings.size(), 1u);
+  expectIn(partial.warnings[0], "cell array 'hash' is not in block 3");
+  EXPECT_FALSE(partial.grid->GetCellData()->HasArray("hash"));
+
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(2, 2, 2);
+  blocks->SetBlock(1, image);
+  expectIn(errorOf(blocks), "block 2 is a vtkImageData, allowed is vtkUnstructuredGrid");
+}
+
+TEST(FromUnstructured, GhostsAreLeftOut)
+{
+  const std::vector<CellId> cells = nineCells();
+  const auto input = makeHexahedra(cells, {});
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  for (int i = 0; i < 9; ++i)
+  {
+    ghosts->InsertNextValue(i == 2   ? vtkDataSetAttributes::DUPLICATECELL
+        : i == 4 ? vtkDataSetAttributes::HIDDENCELL
+        : i == 5 ? vtkDataSetAttributes::EXTERIORCELL
+                 : 0);
+  }
+  input->GetCellData()->AddArray(ghosts);
+  const Result result = convert(input);
+  std::vector<int> numbers;
+  forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
+    numbers.push_back(static_cast<int>(result.grid->GetCellData()->GetArray("number")->GetComponent(id, 0)));
+  });
+  EXPECT_EQ(numbers, (std::vector<int>{ 0, 1, 3, 5, 6, 7, 8 }));
+  EXPECT_FALSE(result.grid->GetCellData()->HasArray(vtkDataSetAttributes::GhostArrayName()));
+  EXPECT_TRUE(result.errors.empty());
+  // None but ghosts.
+  ghosts->FillComponent(0, vtkDataSetAttributes::DUPLICATECELL);
+  EXPECT_TRUE(convert(input).errors.empty());
+}
+
+TEST(FromUnstructured, ArraysKeepTheirTypes)
+{
+  const std::vector<CellId> cells = nineCells();
+  const auto input = makeHexahedra(cells, {});
+  vtkCellData* const data = input->GetCellData();
+  std::vector<int> types{ VTK_FLOAT, VTK_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_LONG, VTK_UNSIGNED_LONG,
+    VTK_LONG_LONG, VTK_ID_TYPE, VTK_STRING, VTK_BIT };
+  for (const int type : types)
+  {
+    const auto array = vtk::TakeSmartPointer(vtkAbstractArray::CreateArray(type));
+    array->SetName(("type" + std::to_string(type)).c_str());
+    array->SetNumberOfComponents(type == VTK_BIT ? 1 : 2);
+    array->SetNumberOfTuples(9);
+    for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
+    {
+      array->SetVariantValue(i, type == VTK_STRING ? vtkVariant(std::to_string(i)) : vtkVariant(static_cast<int>(i % 2)));
+    }
+    data->AddArray(array);
+  }
+  data->SetActiveScalars("hash");
+  vtkNew<vtkDoubleArray> time;
+  time->SetName("TimeValue");
+  time->InsertNextValue(2.5);
+  input->GetFieldData()->AddArray(time);
+  const Result result = convert(input);
+  vtkCellData* const out = result.grid->GetCellData();
+  EXPECT_STREQ(out->GetScalars()->GetName(), "hash");
+  EXPECT_TRUE(result.grid->GetFieldData()->HasArray("TimeValue"));
+  for (const int type : types)
+  {
+    const std::string name = "type" + std::to_string(type);
+    vtkAbstractArray* const array = out->GetAbstractArray(name.c_str());
+    ASSERT_TRUE(array) << name;
+    EXPECT_EQ(array->GetDataType(), type);
+    EXPECT_STREQ(array->GetClassName(), data->GetAbstractArray(name.c_str())->GetClassName());
+    EXPECT_EQ(array->GetNumberOfTuples(), result.grid->GetNumberOfCells());
+    forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
+      const auto number = static_cast<vtkIdType>(out->GetArray("number")->GetComponent(id, 0));
+      const int components = array->GetNumberOfComponents();
+      for (int c = 0; c < components; ++c)
+      {
+        EXPECT_EQ(array->GetVariantValue(id * components + c).ToString(),
+          data->GetAbstractArray(name.c_str())->GetVariantValue(number * components + c).ToString())
+          << name;
+      }
+    });
+  }
+  // A coarse cell: the mean of its eight, and the first one's.
+  double mean = 0.;
+  for (int i = 0; i < 8; ++i)
+  {
+    mean += hashOf(i, 0) / 8.;
+  }
+  EXPECT_NEAR(out->GetArray("hash")->GetComponent(0, 0), mean, 1e-9 * mean);
+  EXPECT_EQ(out->GetArray("number")->GetComponent(0, 0), 0.);
+}
+
+TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
+{
+  RandomTree tree;
+  tree.roots = { 1, 2, 1 };
+  const std::vector<CellId> cells = cellsOf(tree);
+  HexahedronExport options;
+  options.sharedPoints = true;
+  const auto input = makeHexahedra(cells, options);
+  std::mt19937 random(1);
+  for (const int type : { VTK_FLOAT, VTK_INT, VTK_UNSIGNED_CHAR })
+  {
+    const auto array = vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(type));
+    array->SetName(("points" + std::to_string(type)).c_str());
+    array->SetNumberOfComponents(2);
+    array->SetNumberOfTuples(input->GetNumberOfPoints());
+    for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+    {
+      array->SetTuple2(i, random() % 1000 / 7., random() % 200);
+    }
+    input->GetPointData()->AddArray(array);
+  }
+  // The cells' own array of that name counts.
+  vtkNew<vtkDoubleArray> number;
+  number->DeepCopy(input->GetPointData()->GetArray("x"));
+  number->SetName("number");
+  input->GetPointData()->AddArray(number);
+
+  const Result result = convert(input);
+  ASSERT_EQ(result.warnings.size(), 1u);
+  expectIn(result.warnings[0], "averaged to the cells: x, points10, points6, points3.");
+  vtkNew<vtkPointDataToCellData> averages;
+  input->GetPointData()->RemoveArray("number");
+  averages->SetInputData(input);
+  averages->Update();
+  vtkCellData* const expected = averages->GetOutput()->GetCellData();
+  expectCells(result.grid, cells, options);
+  forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
+    const auto cell = static_cast<vtkIdType>(result.grid->GetCellData()->GetArray("number")->GetComponent(id, 0));
+    for (const char* name : { "x", "points10", "points6", "points3" })
+    {
+      vtkDataArray* const array = result.grid->GetCellData()->GetArray(name);
+      EXPECT_EQ(array->GetDataType(), expected->GetArray(name)->GetDataType());
+      for (int c = 0; c < array->GetNumberOfComponents(); ++c)
+      {
+        EXPECT_EQ(array->GetComponent(id, c), expected->GetArray(name)->GetComponent(cell, c)) << name;
+      }
+    }
+  });
+  // Without arrays of cells, the points' active ones are the grid's.
+  vtkNew<vtkUnstructuredGrid> pointsOnly;
+  pointsOnly->CopyStructure(input);
+  pointsOnly->GetPointData()->ShallowCopy(input->GetPointData());
+  pointsOnly->GetPointData()->SetActiveScalars("points10");
+  EXPECT_STREQ(convert(pointsOnly).grid->GetCellData()->GetScalars()->GetName(), "points10");
+}
+
+TEST(FromUnstructured, MessagesComeOnce)
+{
+  vtkNew<vtkTreeAMRFromUnstructured> filter;
+  const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
+  for (int i = 0; i < 3; ++i)
+  {
+    filter->SetInputDataObject(makeHexahedra(nineCells(), {}));
+    filter->Update();
+  }
+  EXPECT_EQ(warnings.messages().size(), 1u);
+}
+
+TEST(FromUnstructured, CellsThatFitNotAreNamed)
+{
+  const auto withPoint = [](vtkIdType cell, int corner, int axis, double shift) {
+    const auto grid = makeHexahedra(nineCells(), {});
+    const vtkIdType point = grid->GetCell(cell)->GetPointId(corner);
+    std::array<double, 3> p;
+    grid->GetPoint(point, p.data());
+    p[axis] += shift;
+    grid->GetPoints()->SetPoint(point, p.data());
+    return grid;
+  };
+  // Sheared, not a number, flat.
+  expectIn(errorOf(withPoint(3, 6, 0, 0.1)), "cell 3, which reaches from (0.5, 0.5, 0) to (1.1, 1, 0.5); allowed are");
+  expectIn(errorOf(withPoint(5, 0, 1, std::nan(""))), "cell 5, which reaches from (0.5, nan, 0.5)");
+  expectIn(errorOf(withPoint(5, 0, 1, 1. / 0.)), "cell 5, which reaches from (0.5, 0, 0.5) to (1, inf, 1)");
+  expectIn(errorOf(withPoint(5, 0, 1, 1e-3)), "cell 5, ");
+
+  const auto withBox = [](std::array<double, 3> low, std::array<double, 3> high) {
+    const auto grid = makeHexahedra(nineCells(), {});
+    std::array<vtkIdType, 8> ids;
+    for (int o = 0; o < 8; ++o)
+    {
+      ids[o] = grid->GetPoints()->InsertNextPoint(
+        sideOf(o, 0) ? high[0] : low[0], sideOf(o, 1) ? high[1] : low[1], sideOf(o, 2) ? high[2] : low[2]);
+    }
+    grid->InsertNextCell(VTK_VOXEL, 8, ids.data());
+    for (const char* name : { "number", "hash" })
+    {
+      grid->GetCellData()->GetArray(name)->InsertNextTuple(0, grid->GetCellData()->GetArray(name));
+    }
+    grid->GetPointData()->RemoveArray("x");
+    return grid;
+  };
+  // Off the lattice, a third wide, of other widths along the axes, flat, overlapping.
+  expectIn(errorOf(withBox({ 2.25, 0., 0. }, { 2.75, 0.5, 0.5 })),
+    "cell 9, which reaches from (2.25, 0, 0) to (2.75, 0.5, 0.5), fits no place of the lattice of the largest cells, "
+    "which are (1, 1, 1) wide like that from (1, 0, 0) to (2, 1, 1)");
+  expectIn(errorOf(withBox({ 2., 0., 0. }, { 2.33333, 0.33333, 0.33333 })), "cell 9, ");
+  expectIn(errorOf(withBox({ 2., 0., 0. }, { 2.5, 0.5, 0.25 })), "cell 9, ");
+  expectIn(errorOf(withBox({ 2., 0., 0. }, { 2.5, 0.5, 0. })), "cell 9, ");
+  // Larger than those that are right, or as large as the largest of them.
+  expectIn(errorOf(withBox({ 2., 0., 0. }, { 3.5, 1.5, 1.5 })), "cell 9, ");
+  expectIn(errorOf(withBox({ 2.3, 0., 0. }, { 3.3, 1., 1. })), "cell 9, ");
+  expectIn(errorOf(withBox({ 1., 0., 0. }, { 1.5, 0.5, 0.5 })),
+    "cells overlap: cell 8, which reaches from (1, 0, 0) to (2, 1, 1), and cell 9, which reaches from (1, 0, 0)");
+  expectIn(errorOf(withBox({ 0., 0., 0. }, { 1., 1., 1. })), ", and cell 9, which reaches from (0, 0, 0) to (1, 1, 1)");
+
+  const auto withCell = [](int type, std::vector<vtkIdType> ids) {
+    const auto grid = makeHexahedra(nineCells(), {});
+    vtkNew<vtkUnstructuredGrid> other;
+    other->SetPoints(grid->GetPoints());
+    other->Allocate(1);
+    for (int i = 0; i < 4; ++i)
+    {
+      other->InsertNextCell(grid->GetCellType(i), grid->GetCell(i)->GetPointIds());
+    }
+    other->InsertNextCell(type, static_cast<vtkIdType>(ids.size()), ids.data());
+    return vtkSmartPointer<vtkUnstructuredGrid>(other);
+  };
+  expectIn(errorOf(withCell(VTK_WEDGE, { 0, 1, 2, 4, 5, 6 })), "cell 4, a vtkWedge, which reaches from (0, 0, 0) to");
+  expectIn(errorOf(withCell(VTK_TETRA, { 0, 1, 2, 4 })), "cell 4, a vtkTetra, ");
+  expectIn(errorOf(withCell(VTK_QUAD, { 0, 1, 2, 3 })), "cell 4, a vtkQuad of 2 dimensions, ");
+  expectIn(errorOf(withCell(VTK_HEXAHEDRON, { 0, 1, 2, 3, 4, 5, 6, 99999 })),
+    "cell 4, a hexahedron whose points are not eight of the 72 there are");
+  expectIn(errorOf(withCell(VTK_HEXAHEDRON, { 0, 1, 2, 3, 4, 5, 6 })), "cell 4, a hexahedron whose points");
+
+  vtkNew<vtkUnstructuredGrid> square;
+  vtkNew<vtkPoints> points;
+  for (int p = 0; p < 4; ++p)
+  {
+    points->InsertNextPoint(p % 2, p / 2, 0.);
+  }
+  square->SetPoints(points);
+  const vtkIdType pixel[] = { 0, 1, 2, 3 };
+  square->Allocate(1);
+  square->InsertNextCell(VTK_PIXEL, 4, pixel);
+  expectIn(errorOf(square), "cell 0, a vtkPixel of 2 dimensions, which reaches from (0, 0, 0) to (1, 1, 0); allowed");
+
+  const auto shortArray = makeHexahedra(nineCells(), {});
+  shortArray->GetCellData()->GetArray("number")->SetNumberOfTuples(8);
+  expectIn(errorOf(shortArray), "cell array 'number' has 8 tuples, allowed are 9");
+
+  expectIn(errorOf(makeHexahedra({ { { 0, 0, 0 }, 0 }, { { Coord(1) << 21, 0, 0 }, 0 } }, {})), "allowed are 1048576");
+}
+
+TEST(FromUnstructured, OtherPiecesAreEmpty)
+{
+  vtkNew<vtkTrivialProducer> source; // gives all to whoever asks
+  const auto input = makeHexahedra(nineCells(), {});
+  source->SetOutput(input);
+  vtkNew<vtkTreeAMRFromUnstructured> filter;
+  const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
+  filter->SetInputConnection(source->GetOutputPort());
+  filter->UpdatePiece(1, 2, 0);
+  EXPECT_EQ(vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfNonEmptyTrees(), 0);
+  ASSERT_EQ(warnings.messages().size(), 1u);
+  expectIn(warnings.messages()[0], "process 1 has asked for none and was given 9");
+  filter->UpdatePiece(0, 2, 0);
+  EXPECT_EQ(vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfLeaves(), 9);
+}

@@ -1,0 +1,37 @@
+// Octrees' leaves as the hexahedra of unstructured grids, as writers of simulations leave them.
+#pragma once
+
+#include "Octree/RootGrid.h"
+
+#include "vtkSmartPointer.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+class vtkUnstructuredGrid;
+
+namespace treeamr::test
+{
+
+struct HexahedronExport
+{
+  std::array<double, 3> origin{ 0., 0., 0. };
+  std::array<double, 3> rootSize{ 1., 1., 1. };
+  bool sharedPoints = false;
+  bool floats = false;     // coordinates are rounded to float
+  bool voxels = false;     // else hexahedra whose corners begin anywhere
+  double scale = 1.;       // shrunk about the centres
+  std::uint32_t seed = 0;  // of the order of cells; 0: as they come
+  int duplicates = 0;      // cells that come twice
+};
+
+/// Cell array "number" (int) is the place in the list; "hash" (double, 3 components) is hashes of that; point array "x"
+/// (double) is the coordinate.
+vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
+  const std::vector<CellId>& cells, const HexahedronExport& options);
+
+/// Component of "hash".
+double hashOf(int number, int component);
+
+} // namespace treeamr::test
