@@ -44,8 +44,7 @@ public:
 
 protected:
   /// type: VTK's number of it, for T may be that of several (vtkIdType).
-  TypedFiller(
-    const char* name, int components, vtkIdType nodes, int type = vtkTypeTraits<T>::VTKTypeID())
+  TypedFiller(const char* name, int components, vtkIdType nodes, int type = vtkTypeTraits<T>::VTKTypeID())
     // Not vtkAOSDataArrayTemplate::New(): that is no vtkDoubleArray, vtkIntArray ... to those who ask.
     : array_(vtk::TakeSmartPointer(vtkDataArray::CreateDataArray(type)))
     , components_(components)

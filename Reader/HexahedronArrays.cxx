@@ -80,8 +80,12 @@ public:
   void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
   {
     const CellNumber number(leaf.number);
-    std::copy_n(arrays_[number.block()]->GetPointer(number.cell() * this->components_), this->components_,
-      this->tuple(node));
+    const T* const from = arrays_[number.block()]->GetPointer(number.cell() * this->components_);
+    T* const to = this->tuple(node);
+    for (int c = 0; c < this->components_; ++c) // most have one
+    {
+      to[c] = from[c];
+    }
   }
 
 private:
@@ -96,8 +100,7 @@ template <class T>
 class PointMeanFiller : public BlendedFiller<MeanType<T>>
 {
 public:
-  PointMeanFiller(
-    const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+  PointMeanFiller(const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
     : BlendedFiller<MeanType<T>>(
         array.name.c_str(), arrayOf(blocks.front(), array)->GetNumberOfComponents(), nodes)
     , blocks_(blocks)
@@ -183,9 +186,8 @@ void addArrays(const std::vector<HexahedronBlock>& blocks, bool ofPoints, Hexahe
       const std::string name = array->GetName() ? array->GetName() : "";
       const auto isKnown = [&](const HexahedronArray& known) { return known.name == name; };
       if (name == vtkDataSetAttributes::GhostArrayName() || std::ranges::any_of(result.arrays, isKnown) ||
-        std::ranges::any_of(result.leftOut, [&](const std::string& text) {
-          return text.starts_with(kind + " array '" + name + "'");
-        }))
+        std::ranges::any_of(result.leftOut,
+          [&](const std::string& text) { return text.starts_with(kind + " array '" + name + "'"); }))
       {
         continue;
       }
@@ -211,9 +213,9 @@ void addArrays(const std::vector<HexahedronBlock>& blocks, bool ofPoints, Hexahe
         const vtkIdType needed = ofPoints ? other.pointCount() : other.cellCount();
         if (same && same->GetNumberOfTuples() < needed)
         {
-          throw Error((other.name().empty() ? "" : other.name() + ": ") + kind + " array '" + name + "' has " +
-            std::to_string(same->GetNumberOfTuples()) + " tuples, allowed are " + std::to_string(needed) +
-            ", one a " + kind);
+          throw Error((other.name().empty() ? "" : other.name() + ": ") + kind + " array '" + name +
+            "' has " + std::to_string(same->GetNumberOfTuples()) + " tuples, allowed are " +
+            std::to_string(needed) + ", one a " + kind);
         }
       }
       if (objection.empty())

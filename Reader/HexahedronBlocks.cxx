@@ -5,12 +5,10 @@
 #include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
-#include "vtkCellType.h"
 #include "vtkCellTypes.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSet.h"
-#include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkGenericCell.h"
 #include "vtkInformation.h"
@@ -26,11 +24,6 @@ namespace treeamr
 
 namespace
 {
-
-bool isHexahedron(unsigned char type) noexcept
-{
-  return type == VTK_VOXEL || type == VTK_HEXAHEDRON;
-}
 
 template <class Array>
 auto pointerTo(Array* array)
@@ -58,8 +51,8 @@ HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
   vtkUnsignedCharArray* const types = grid->GetCellTypesArray();
   if (!types || types->GetNumberOfValues() < cellCount_)
   {
-    throw Error(prefix + std::to_string(types ? types->GetNumberOfValues() : 0) + " cell types, allowed are " +
-      std::to_string(cellCount_) + ", one a cell");
+    throw Error(prefix + std::to_string(types ? types->GetNumberOfValues() : 0) +
+      " cell types, allowed are " + std::to_string(cellCount_) + ", one a cell");
   }
   types_ = pointerTo(types);
   if (vtkUnsignedCharArray* const ghosts = grid->GetCellGhostArray())
@@ -109,55 +102,11 @@ HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
 HexahedronBlock::~HexahedronBlock() = default;
 HexahedronBlock::HexahedronBlock(HexahedronBlock&&) noexcept = default;
 
-bool HexahedronBlock::isLeftOut(vtkIdType cell) const noexcept
-{
-  constexpr unsigned char flags =
-    vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
-  return ghosts_ && (ghosts_[cell] & flags) != 0;
-}
-
-bool HexahedronBlock::hasCorners(vtkIdType cell) const noexcept
-{
-  if (!isHexahedron(types_[cell]))
-  {
-    return false;
-  }
-  const vtkIdType begin = longIds_ ? vtkIdType(longOffsets_[cell]) : ids_ ? vtkIdType(offsets_[cell]) : 0;
-  const vtkIdType end = longIds_ ? vtkIdType(longOffsets_[cell + 1]) : ids_ ? vtkIdType(offsets_[cell + 1]) : 0;
-  if (end - begin != 8 || begin < 0 || end > idCount_)
-  {
-    return false;
-  }
-  for (int corner = 0; corner < 8; ++corner)
-  {
-    const vtkIdType p = this->point(cell, corner);
-    if (p < 0 || p >= pointCount_)
-    {
-      return false;
-    }
-  }
-  return true;
-}
-
-CornerCoordinates HexahedronBlock::corners(vtkIdType cell) const noexcept
-{
-  CornerCoordinates corners;
-  for (int corner = 0; corner < 8; ++corner)
-  {
-    const vtkIdType at = 3 * this->point(cell, corner);
-    for (int a = 0; a < 3; ++a)
-    {
-      corners[a][corner] = floats_ ? double(floats_[at + a]) : doubles_[at + a];
-    }
-  }
-  return corners;
-}
-
 std::string HexahedronBlock::describe(vtkIdType cell) const
 {
   std::ostringstream text;
   text << (name_.empty() ? "" : name_ + ", ") << "cell " << cell;
-  if (!isHexahedron(types_[cell]))
+  if (!this->isHexahedron(cell))
   {
     vtkNew<vtkGenericCell> generic;
     generic->SetCellType(types_[cell]);
@@ -165,7 +114,7 @@ std::string HexahedronBlock::describe(vtkIdType cell) const
     const char* const typeName = vtkCellTypes::GetClassNameFromTypeId(types_[cell]);
     text << ", a " << typeName << (dimension < 3 ? " of " + std::to_string(dimension) + " dimensions" : "");
   }
-  if (isHexahedron(types_[cell]) && !this->hasCorners(cell))
+  if (this->isHexahedron(cell) && !this->hasCorners(cell))
   {
     text << ", a hexahedron whose points are not eight of the " << pointCount_ << " there are";
     return text.str();
@@ -200,8 +149,8 @@ std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input)
     auto* const set = vtkDataSet::SafeDownCast(data);
     if (!set || set->GetNumberOfCells() > 0)
     {
-      throw Error(
-        (name.empty() ? "the input" : name) + " is a " + data->GetClassName() + ", allowed is vtkUnstructuredGrid");
+      throw Error((name.empty() ? "the input" : name) + " is a " + data->GetClassName() +
+        ", allowed is vtkUnstructuredGrid");
     }
   };
   auto* const composite = vtkCompositeDataSet::SafeDownCast(input);

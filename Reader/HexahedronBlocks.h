@@ -4,6 +4,8 @@
 
 #include "Forest/BoxLattice.h"
 
+#include "vtkCellType.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkSmartPointer.h"
 #include "vtkType.h"
 #include "vtkUnstructuredGrid.h"
@@ -73,6 +75,11 @@ public:
   std::string describe(vtkIdType cell) const;
 
 private:
+  bool isHexahedron(vtkIdType cell) const noexcept
+  {
+    return types_[cell] == VTK_VOXEL || types_[cell] == VTK_HEXAHEDRON;
+  }
+
   vtkSmartPointer<vtkUnstructuredGrid> grid_;
   std::string name_;
   vtkSmartPointer<vtkDataArray> coordinates_; // of float or double, one after the other
@@ -89,6 +96,52 @@ private:
   const std::int32_t* offsets_ = nullptr;
   const std::int32_t* ids_ = nullptr;
 };
+
+inline bool HexahedronBlock::isLeftOut(vtkIdType cell) const noexcept
+{
+  constexpr unsigned char flags = vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL |
+    vtkDataSetAttributes::HIDDENCELL;
+  return ghosts_ && (ghosts_[cell] & flags) != 0;
+}
+
+inline bool HexahedronBlock::hasCorners(vtkIdType cell) const noexcept
+{
+  if (!this->isHexahedron(cell))
+  {
+    return false;
+  }
+  const vtkIdType begin = longIds_ ? vtkIdType(longOffsets_[cell]) : ids_ ? vtkIdType(offsets_[cell]) : 0;
+  const vtkIdType end = longIds_ ? vtkIdType(longOffsets_[cell + 1])
+    : ids_                       ? vtkIdType(offsets_[cell + 1])
+                                 : 0;
+  if (end - begin != 8 || begin < 0 || end > idCount_)
+  {
+    return false;
+  }
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const vtkIdType p = this->point(cell, corner);
+    if (p < 0 || p >= pointCount_)
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
+inline CornerCoordinates HexahedronBlock::corners(vtkIdType cell) const noexcept
+{
+  CornerCoordinates corners;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const vtkIdType at = 3 * this->point(cell, corner);
+    for (int a = 0; a < 3; ++a)
+    {
+      corners[a][corner] = floats_ ? double(floats_[at + a]) : doubles_[at + a];
+    }
+  }
+  return corners;
+}
 
 /// (x, y, z), for messages.
 std::string textOf(const std::array<double, 3>& values);

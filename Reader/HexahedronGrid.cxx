@@ -22,8 +22,6 @@ namespace treeamr
 namespace
 {
 
-constexpr std::uint64_t none = ~std::uint64_t(0);
-
 /// Cells of a block, for a thread, and how many cells are taken of chunks before.
 struct Chunk
 {
@@ -44,10 +42,14 @@ public:
     {
     }
   }
-  bool exists() const noexcept { return first_ != none; }
-  CellNumber cell() const noexcept { return CellNumber(first_); }
+  std::optional<CellNumber> found() const noexcept
+  {
+    return first_ == none ? std::nullopt : std::optional(CellNumber(first_));
+  }
 
 private:
+  static constexpr std::uint64_t none = ~std::uint64_t(0);
+
   std::atomic<std::uint64_t> first_{ none };
 };
 
@@ -72,37 +74,41 @@ public:
   /// Of cells that are not left out.
   std::size_t cellCount() const noexcept { return cellCount_; }
 
+  /// Of the cells' own coordinates.
   BoxLattice findLattice() const
   {
     if (sizes_.sizes().empty())
     {
-      fail(firstNoBox_.cell(), {});
+      fail(*firstNoBox_.found(), {});
     }
-    BoxLattice lattice(sizes_, rounding_);
-    if (firstMisfit(lattice))
+    return BoxLattice(sizes_, rounding_);
+  }
+  /// When cells do not fit that one: of shrunk cells, or throws Error.
+  BoxLattice findOtherLattice() const
+  {
+    const double scale = findScale();
+    BoxLattice lattice(sizesThatFit(scale), rounding_, scale);
+    if (const auto misfit = placeCells(lattice, [](std::size_t, const CellId&, const CellNumber&) {}))
     {
-      const double scale = findScale();
-      lattice = BoxLattice(sizesThatFit(scale), rounding_, scale);
-      if (const std::optional<CellNumber> misfit = firstMisfit(lattice))
-      {
-        fail(*misfit, lattice);
-      }
+      fail(*misfit, lattice);
     }
     return lattice;
   }
 
+  /// Nothing when cells do not fit.
   template <class Keys>
-  SortedCells<Keys, std::uint64_t> sortCells(const BoxLattice& lattice) const
+  std::optional<SortedCells<Keys, std::uint64_t>> sortCells(const BoxLattice& lattice) const
   {
     const int padding = RootGrid(lattice.planes()).paddingDepth();
     SortedCells<Keys, std::uint64_t> cells(padding, lattice.deepest(), cellCount_);
-    forEachChunk([&](const Chunk& chunk) {
-      std::size_t at = chunk.before;
-      forEachCell(chunk, [&](const CellNumber& number) {
-        const HexahedronBlock& block = blocks_[number.block()];
-        cells.set(at++, *lattice.place(block.corners(number.cell())), number.number());
+    const auto misfit =
+      placeCells(lattice, [&](std::size_t at, const CellId& place, const CellNumber& number) {
+        cells.set(at, place, number.number());
       });
-    });
+    if (misfit)
+    {
+      return std::nullopt;
+    }
     cells.sort();
     checkOverlaps(cells);
     return cells;
@@ -157,22 +163,27 @@ private:
     }
   }
 
-  std::optional<CellNumber> firstMisfit(const BoxLattice& lattice) const
+  /// Calls set(i, place, number) for the i-th of the cells that are not left out. Returns the first that does not fit.
+  template <class Set>
+  std::optional<CellNumber> placeCells(const BoxLattice& lattice, const Set& set) const
   {
-    FirstCell first;
+    FirstCell misfit;
     forEachChunk([&](const Chunk& chunk) {
-      bool found = false;
+      std::size_t at = chunk.before;
+      bool fits = true;
       forEachCell(chunk, [&](const CellNumber& number) {
-        const HexahedronBlock& block = blocks_[number.block()];
-        if (!found &&
-          (!block.hasCorners(number.cell()) || !lattice.place(block.corners(number.cell()))))
+        if (!fits)
         {
-          first.add(number);
-          found = true;
+          return; // the first is known
         }
+        const HexahedronBlock& block = blocks_[number.block()];
+        const std::optional<CellId> place =
+          block.hasCorners(number.cell()) ? lattice.place(block.corners(number.cell())) : std::nullopt;
+        fits = place.has_value();
+        fits ? set(at++, *place, number) : misfit.add(number);
       });
     });
-    return first.exists() ? std::optional(first.cell()) : std::nullopt;
+    return misfit.found();
   }
 
   /// By which the boxes are shrunk, for all axes; 1: not at all, or not alike.
@@ -309,7 +320,8 @@ private:
       if (i > 0)
       {
         const auto [first, second] = std::minmax(cells.value(i - 1), cells.value(i));
-        throw Error("cells overlap: " + describe(CellNumber(first)) + ", and " + describe(CellNumber(second)));
+        throw Error(
+          "cells overlap: " + describe(CellNumber(first)) + ", and " + describe(CellNumber(second)));
       }
     }
     if (std::ranges::find(duplicates, 1) != duplicates.end())
@@ -330,11 +342,13 @@ private:
       throw Error(describe(number) + ", fits no place of the lattice of the largest cells, which are " +
         textOf(lattice->largestWidths()) + " wide like that from " + textOf(lattice->widest().low) + " to " +
         textOf(lattice->widest().high) +
-        "; allowed are cells of these widths, halves, quarters ... of all three, that begin at multiples of their "
+        "; allowed are cells of these widths, halves, quarters ... of all three, that begin at multiples of "
+        "their "
         "own widths from such a cell");
     }
     throw Error(describe(number) +
-      "; allowed are hexahedra and voxels that are boxes along the axes, in three dimensions, of finite corners");
+      "; allowed are hexahedra and voxels that are boxes along the axes, in three dimensions, of finite "
+      "corners");
   }
 
   const std::vector<HexahedronBlock>& blocks_;
@@ -345,43 +359,46 @@ private:
   FirstCell firstNoBox_;
 };
 
+/// False when cells do not fit.
 template <class Keys>
-void build(const HexahedronConverter& converter, const BoxLattice& lattice,
-  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid,
-  const std::function<void(double)>& progress)
+bool build(const HexahedronConverter& converter, const BoxLattice& lattice,
+  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid)
 {
   const auto cells = converter.sortCells<Keys>(lattice);
-  progress(0.5);
+  if (!cells)
+  {
+    return false;
+  }
   setLattice(grid, lattice.planes());
-  ParallelGridBuilder<Keys> builder(cells);
+  ParallelGridBuilder<Keys> builder(*cells);
   for (const HexahedronArray& array : arrays.arrays)
   {
     builder.addArray(makeFiller(blocks, array, builder.nodeCount()));
   }
   builder.build(grid);
+  return true;
 }
 
 } // namespace
 
-void makeGrid(const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays,
-  vtkHyperTreeGrid* grid, const std::function<void(double)>& progress)
+void makeGrid(
+  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid)
 {
   const HexahedronConverter converter(blocks);
   if (converter.cellCount() == 0)
   {
     return;
   }
-  progress(0.1);
-  const BoxLattice lattice = converter.findLattice();
-  progress(0.2);
-  const int depth = RootGrid(lattice.planes()).paddingDepth() + lattice.deepest();
-  if (depth <= MortonKeys<std::uint64_t>::maxDepth)
+  const auto buildOn = [&](const BoxLattice& lattice) {
+    using ShortKeys = MortonKeys<std::uint64_t>;
+    const int depth = RootGrid(lattice.planes()).paddingDepth() + lattice.deepest();
+    return depth <= ShortKeys::maxDepth
+      ? build<ShortKeys>(converter, lattice, blocks, arrays, grid)
+      : build<MortonKeys<WideKey>>(converter, lattice, blocks, arrays, grid);
+  };
+  if (!buildOn(converter.findLattice()))
   {
-    build<MortonKeys<std::uint64_t>>(converter, lattice, blocks, arrays, grid, progress);
-  }
-  else
-  {
-    build<MortonKeys<WideKey>>(converter, lattice, blocks, arrays, grid, progress);
+    buildOn(converter.findOtherLattice());
   }
 }
 

@@ -4,7 +4,6 @@
 #include "HexahedronArrays.h"
 #include "HexahedronBlocks.h"
 
-#include <functional>
 #include <vector>
 
 class vtkHyperTreeGrid;
@@ -13,10 +12,10 @@ namespace treeamr
 {
 
 /// blocks: with cells, in any order; where several are at one place, the first is taken. grid: an empty one, which stays
-/// so when all cells are left out. progress: called with what is done of 1. Beside input and output it takes 32 bytes a
+/// so when all cells are left out. Beside input and output it takes 32 bytes a
 /// cell, 64 when cells lie more than 21 levels below the padded root. Throws Error that names the first cell that is no
 /// axis-aligned box or fits not the lattice of the largest ones, and cells that overlap.
-void makeGrid(const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays,
-  vtkHyperTreeGrid* grid, const std::function<void(double)>& progress);
+void makeGrid(
+  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid);
 
 } // namespace treeamr

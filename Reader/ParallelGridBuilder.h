@@ -64,7 +64,8 @@ public:
   void build(vtkHyperTreeGrid* grid)
   {
     inner_ = makeLargeArray<Inner>(starts_.back().inner);
-    tbb::parallel_for(std::uint64_t(0), starts_.back().inner, [&](std::uint64_t n) { inner_[n].present = 0; });
+    tbb::parallel_for(
+      std::uint64_t(0), starts_.back().inner, [&](std::uint64_t n) { inner_[n].present = 0; });
     trees_.resize(starts_.back().trees);
     parts_.forEach([&](std::size_t p) { walk(p); });
     checkTrees();
@@ -180,7 +181,8 @@ private:
       },
       [&](std::size_t i, int depth) {
         const vtkIdType node = nodeOf(i, depth);
-        TreeLeaf leaf{ static_cast<std::int32_t>(at.trees - 1), {}, depth - padding, cells_.value(i), nullptr };
+        TreeLeaf leaf{ static_cast<std::int32_t>(at.trees - 1), {}, depth - padding, cells_.value(i),
+          nullptr };
         const std::array<Coord, 3> index = cells_.index(i, depth);
         for (int a = 0; a < 3; ++a)
         {
@@ -230,10 +232,7 @@ private:
     }
   }
 
-  vtkIdType firstChild(std::uint64_t n) const
-  {
-    return static_cast<vtkIdType>(inner_[n].tree + 8 * n + 1);
-  }
+  vtkIdType firstChild(std::uint64_t n) const { return static_cast<vtkIdType>(inner_[n].tree + 8 * n + 1); }
 
   void mask(vtkHyperTreeGrid* grid) const
   {

@@ -95,7 +95,8 @@ int vtkTreeAMRFromUnstructured::RequestData(
     {
       if (const vtkIdType cells = input->GetNumberOfElements(vtkDataObject::CELL); cells > 0)
       {
-        this->Warn("the first process has asked its source for all cells and makes the grid of them; process " +
+        this->Warn(
+          "the first process has asked its source for all cells and makes the grid of them; process " +
           std::to_string(PieceOf(outInfo)) + " has asked for none and was given " + std::to_string(cells) +
           ", which are not in the grid unless the first one has them, too.");
       }
@@ -129,7 +130,7 @@ void vtkTreeAMRFromUnstructured::Convert(vtkDataObject* input, vtkHyperTreeGrid*
   }
   const treeamr::HexahedronArrays arrays = treeamr::arraysOf(blocks);
   vtkNew<vtkHyperTreeGrid> grid;
-  treeamr::makeGrid(blocks, arrays, grid, [this](double done) { this->UpdateProgress(done); });
+  treeamr::makeGrid(blocks, arrays, grid);
   output->ShallowCopy(grid);
   if (!arrays.averaged.empty())
   {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace treeamr
@@ -18,27 +19,35 @@ constexpr double mostOfWidth = 1. / 4.;
 constexpr double sixDigits = 1e-5;
 constexpr double roundings = 8.;
 
-/// log2 of a ratio above 0, to the nearest.
+/// log2 of a normal ratio above 0, to the nearest.
 int nearestLog2(double ratio) noexcept
 {
-  return std::ilogb(ratio * std::sqrt(2.));
+  return static_cast<int>(std::bit_cast<std::uint64_t>(ratio * std::numbers::sqrt2) >> 52) - 1023;
 }
 
-/// Which of the eight corners of a box each corner is: true when every one is there.
-template <class IsAt>
-bool areCornersOf(const CornerCoordinates& corners, const IsAt& isAt) noexcept
+/// Whether the corners are the eight of a box between two planes along each axis, with slack.
+bool areCornersOf(const CornerCoordinates& corners, const std::array<std::array<double, 2>, 3>& planes,
+  const std::array<double, 3>& slack) noexcept
 {
-  unsigned seen = 0;
+  std::array<unsigned, 8> octants{};
   bool near = true;
-  for (int p = 0; p < 8; ++p)
+  for (int a = 0; a < 3; ++a)
   {
-    int octant = 0;
-    for (int a = 0; a < 3; ++a)
+    const double middle = planes[a][0] + (planes[a][1] - planes[a][0]) / 2.;
+    double worst = 0.;
+    for (int p = 0; p < 8; ++p)
     {
-      const bool high = isAt(a, corners[a][p], 1);
-      near = near && (high || isAt(a, corners[a][p], 0));
-      octant |= static_cast<int>(high) << a;
+      const double x = corners[a][p];
+      const bool high = x > middle;
+      octants[p] |= static_cast<unsigned>(high) << a;
+      const double off = std::abs(x - (high ? planes[a][1] : planes[a][0]));
+      worst = off > worst ? off : worst;
     }
+    near = near && worst <= slack[a];
+  }
+  unsigned seen = 0;
+  for (const unsigned octant : octants)
+  {
     seen |= 1u << octant;
   }
   return near && seen == 0xff;
@@ -69,9 +78,11 @@ AxisBox boxAround(const CornerCoordinates& corners) noexcept
 
 bool isBox(const CornerCoordinates& corners, const AxisBox& around, double rounding) noexcept
 {
+  std::array<std::array<double, 2>, 3> planes;
   std::array<double, 3> slack;
   for (int a = 0; a < 3; ++a)
   {
+    planes[a] = { around.low[a], around.high[a] };
     const double width = around.width(a);
     const double magnitude = std::max(std::abs(around.low[a]), std::abs(around.high[a]));
     if (!(width > 0.) || !(magnitude <= std::numeric_limits<double>::max()))
@@ -80,9 +91,7 @@ bool isBox(const CornerCoordinates& corners, const AxisBox& around, double round
     }
     slack[a] = std::min(mostOfWidth * width, std::max(partOfWidth * width, roundings * rounding * magnitude));
   }
-  return areCornersOf(corners, [&](int a, double x, int side) {
-    return side == 1 ? x >= around.high[a] - slack[a] : x <= around.low[a] + slack[a];
-  });
+  return areCornersOf(corners, planes, slack);
 }
 
 std::uint64_t BoxSizes::binOf(const AxisBox& box) noexcept
@@ -225,7 +234,8 @@ BoxLattice::BoxLattice(const BoxSizes& sizes, double rounding, double scale)
       const double width = std::ldexp(root, -level);
       widths_[a][level] = width;
       slack_[a][level] = std::min(mostOfWidth * width,
-        std::max(std::min(partOfWidth * width, sixDigits * largest_[a]), roundings * rounding_ * largest_[a]));
+        std::max(
+          std::min(partOfWidth * width, sixDigits * largest_[a]), roundings * rounding_ * largest_[a]));
     }
   }
 }
@@ -340,6 +350,7 @@ std::array<double, 3> BoxLattice::largestWidths() const noexcept
 
 std::optional<CellId> BoxLattice::place(const CornerCoordinates& corners) const noexcept
 {
+  constexpr double tooDeep = std::uint64_t(1) << (deepestLevel + 1);
   const AxisBox box = boxAround(corners);
   CellId cell;
   cell.level = -1;
@@ -349,7 +360,7 @@ std::optional<CellId> BoxLattice::place(const CornerCoordinates& corners) const 
   {
     const double ratio = widths_[a][0] * scale_ / box.width(a);
     // The largest boxes are roots or below; NaN compares false.
-    if (!(ratio > 0.5) || !(ratio < std::ldexp(1., deepestLevel + 1)))
+    if (!(ratio > 0.5) || !(ratio < tooDeep))
     {
       return std::nullopt;
     }
@@ -372,8 +383,7 @@ std::optional<CellId> BoxLattice::place(const CornerCoordinates& corners) const 
     planes[a] = { low_[a] + index * width + margin, low_[a] + (index + 1.) * width - margin };
     slack[a] = slack_[a][level];
   }
-  if (!areCornersOf(
-        corners, [&](int a, double x, int side) { return std::abs(x - planes[a][side]) <= slack[a]; }))
+  if (!areCornersOf(corners, planes, slack))
   {
     return std::nullopt;
   }

@@ -77,7 +77,8 @@ double distanceOfNeighbours(std::vector<double> centres, double width);
 /// Whether a box is of the width of another, or a half, a quarter ... of it, and at a multiple of its own from that one, to a
 /// 16th of its width and what the other's rounding makes up to over the distance. shift: by which rounding may shift a
 /// coordinate. scale: by which both are shrunk.
-bool fitsBeside(const AxisBox& other, const AxisBox& box, const std::array<double, 3>& shift, double scale) noexcept;
+bool fitsBeside(
+  const AxisBox& other, const AxisBox& box, const std::array<double, 3>& shift, double scale) noexcept;
 
 class BoxLattice
 {
@@ -113,7 +114,7 @@ private:
   AxisBox widest_;
   std::array<int, 3> roots_{};
   int deepest_ = 0;
-  int joined_ = 0; // levels between the roots and the largest boxes
+  int joined_ = 0;                  // levels between the roots and the largest boxes
   std::array<double, 3> largest_{}; // magnitude of a coordinate
   std::array<double, 3> low_{};     // the first plane
   std::array<std::vector<double>, 3> planes_;

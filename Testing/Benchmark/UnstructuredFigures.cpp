@@ -98,7 +98,8 @@ Conversion convert(const Forest& forest, bool shuffled)
       throw Error("hexahedra of a forest make a grid of other cells");
     }
     best = { std::min(best.seconds, cost.wall), std::min(best.cpuSeconds, cost.cpu),
-      std::max(best.bytesPerCell, (static_cast<double>(peak) - static_cast<double>(residentBytes())) / count) };
+      std::max(
+        best.bytesPerCell, (static_cast<double>(peak) - static_cast<double>(residentBytes())) / count) };
   }
   return best;
 }

@@ -1,8 +1,10 @@
 """The representation `Tree AMR Volume`."""
 
+import os
+import sys
 
 import numpy
-from paraview import simple
+from paraview import servermanager, simple
 
 import scene
 
@@ -284,6 +286,38 @@ grid.GetCellData().AddArray(array)
             self.assertGreater(scene.drawn(less).mean(), 0.05)
             self.assertGreater(len(scene.colours(less)), 30)
             self.assertLess(numpy.abs(less - pressure).mean(), 0.02)
+
+    def test_hexahedra(self):
+        """Saved as hexahedra and read again: one grid, from a collection too, that is drawn as the one it came from."""
+        pictures = {}
+        for source in (self.source, *self.from_hexahedra()):
+            simple.HideAll(self.view)
+            self.representation = simple.Show(source, self.view)
+            self.show()
+            volume = self.picture(f"hexahedra-{len(pictures)}")
+            self.representation.SetRepresentationType("Tree AMR Isosurface")
+            self.representation.Isovalues = [6.5]
+            pictures[source] = (volume, self.picture(f"hexahedra-{len(pictures)}-isosurface"))
+        whole, *others = pictures.values()
+        self.assertEqual(2, len(others))
+        self.assertTrue(all(scene.drawn(image).any() for image in whole))
+        for other in others:
+            self.assertTrue(all(scene.close(images) for images in zip(whole, other)))
+
+    def from_hexahedra(self):
+        path = os.path.join(sys.argv[-1], "hexahedra.pvtu")
+        hexahedra = simple.HyperTreeGridToUnstructuredGrid(Input=self.source)
+        simple.SaveData(path, hexahedra)
+        read = simple.XMLPartitionedUnstructuredGridReader(FileName=[path])
+        halves = [simple.Threshold(Input=read, Scalars=["CELLS", "xyz"], LowerThreshold=low, UpperThreshold=high)
+                  for low, high in ((0, 5), (4, 64))]
+        for data in (read, simple.GroupDatasets(Input=halves)):
+            data.UpdatePipeline()
+            grid = simple.TreeAMRFromUnstructured(Input=data)
+            grid.UpdatePipeline()
+            self.assertEqual(288, servermanager.Fetch(grid).GetNumberOfLeaves())
+            self.assertIn("xyz", grid.CellData.keys())
+            yield grid
 
     def test_group_of_one(self):
         self.show()

@@ -117,7 +117,8 @@ void expectCells(vtkHyperTreeGrid* grid, const std::vector<CellId>& cells, const
       const double width = std::ldexp(options.rootSize[a], -cell.level);
       const double low = options.origin[a] + static_cast<double>(cell.index[a]) * width;
       const double allowed = options.floats || options.scale < 1. ? width / 8. : width * 1e-4;
-      wrong += !(std::abs(bounds[2 * a] - low) < allowed && std::abs(bounds[2 * a + 1] - low - width) < allowed);
+      wrong +=
+        !(std::abs(bounds[2 * a] - low) < allowed && std::abs(bounds[2 * a + 1] - low - width) < allowed);
       wrong += data->GetArray("hash")->GetComponent(id, a) != hashOf(number, a);
     }
   });
@@ -290,8 +291,9 @@ TEST(FromUnstructured, SplitPatches)
     {
       for (Coord i = 0; i < n * n * n; ++i)
       {
-        cells.push_back({ { n * cell.index[0] + i % n, n * cell.index[1] + i / n % n, n * cell.index[2] + i / n / n },
-          cell.level });
+        cells.push_back(
+          { { n * cell.index[0] + i % n, n * cell.index[1] + i / n % n, n * cell.index[2] + i / n / n },
+            cell.level });
       }
     }
     for (double& size : options.rootSize)
@@ -365,7 +367,8 @@ TEST(FromUnstructured, CollectionsAreOneGrid)
     {
       if (static_cast<std::size_t>(i) % 3 == p || static_cast<std::size_t>(i) % 7 == p)
       {
-        const vtkIdType cell = parts[p]->InsertNextCell(whole->GetCellType(i), whole->GetCell(i)->GetPointIds());
+        const vtkIdType cell =
+          parts[p]->InsertNextCell(whole->GetCellType(i), whole->GetCell(i)->GetPointIds());
         parts[p]->GetCellData()->CopyData(whole->GetCellData(), i, cell);
       }
     }
@@ -379,8 +382,8 @@ TEST(FromUnstructured, CollectionsAreOneGrid)
   }
   vtkNew<vtkPartitionedDataSetCollection> collection;
   collection->SetPartitionedDataSet(0, partitions);
-  for (vtkDataObject* const input : { static_cast<vtkDataObject*>(blocks), static_cast<vtkDataObject*>(partitions),
-         static_cast<vtkDataObject*>(collection) })
+  for (vtkDataObject* const input : { static_cast<vtkDataObject*>(blocks),
+         static_cast<vtkDataObject*>(partitions), static_cast<vtkDataObject*>(collection) })
   {
     const Result result = convert(input);
     ASSERT_TRUE(result.errors.empty()) << result.errors[0];
@@ -408,10 +411,10 @@ TEST(FromUnstructured, GhostsAreLeftOut)
   ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
   for (int i = 0; i < 9; ++i)
   {
-    ghosts->InsertNextValue(i == 2   ? vtkDataSetAttributes::DUPLICATECELL
-        : i == 4 ? vtkDataSetAttributes::HIDDENCELL
-        : i == 5 ? vtkDataSetAttributes::EXTERIORCELL
-                 : 0);
+    ghosts->InsertNextValue(i == 2 ? vtkDataSetAttributes::DUPLICATECELL
+        : i == 4                   ? vtkDataSetAttributes::HIDDENCELL
+        : i == 5                   ? vtkDataSetAttributes::EXTERIORCELL
+                                   : 0);
   }
   input->GetCellData()->AddArray(ghosts);
   const Result result = convert(input);
@@ -432,8 +435,8 @@ TEST(FromUnstructured, ArraysKeepTheirTypes)
   const std::vector<CellId> cells = nineCells();
   const auto input = makeHexahedra(cells, {});
   vtkCellData* const data = input->GetCellData();
-  std::vector<int> types{ VTK_FLOAT, VTK_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_LONG, VTK_UNSIGNED_LONG,
-    VTK_LONG_LONG, VTK_ID_TYPE, VTK_STRING, VTK_BIT };
+  std::vector<int> types{ VTK_FLOAT, VTK_CHAR, VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_LONG,
+    VTK_UNSIGNED_LONG, VTK_LONG_LONG, VTK_ID_TYPE, VTK_STRING, VTK_BIT };
   for (const int type : types)
   {
     const auto array = vtk::TakeSmartPointer(vtkAbstractArray::CreateArray(type));
@@ -442,7 +445,8 @@ TEST(FromUnstructured, ArraysKeepTheirTypes)
     array->SetNumberOfTuples(9);
     for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
     {
-      array->SetVariantValue(i, type == VTK_STRING ? vtkVariant(std::to_string(i)) : vtkVariant(static_cast<int>(i % 2)));
+      array->SetVariantValue(
+        i, type == VTK_STRING ? vtkVariant(std::to_string(i)) : vtkVariant(static_cast<int>(i % 2)));
     }
     data->AddArray(array);
   }
@@ -521,7 +525,8 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
   vtkCellData* const expected = averages->GetOutput()->GetCellData();
   expectCells(result.grid, cells, options);
   forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
-    const auto cell = static_cast<vtkIdType>(result.grid->GetCellData()->GetArray("number")->GetComponent(id, 0));
+    const auto cell =
+      static_cast<vtkIdType>(result.grid->GetCellData()->GetArray("number")->GetComponent(id, 0));
     for (const char* name : { "x", "points10", "points6", "points3" })
     {
       vtkDataArray* const array = result.grid->GetCellData()->GetArray(name);
@@ -564,7 +569,8 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
     return grid;
   };
   // Sheared, not a number, flat.
-  expectIn(errorOf(withPoint(3, 6, 0, 0.1)), "cell 3, which reaches from (0.5, 0.5, 0) to (1.1, 1, 0.5); allowed are");
+  expectIn(errorOf(withPoint(3, 6, 0, 0.1)),
+    "cell 3, which reaches from (0.5, 0.5, 0) to (1.1, 1, 0.5); allowed are");
   expectIn(errorOf(withPoint(5, 0, 1, std::nan(""))), "cell 5, which reaches from (0.5, nan, 0.5)");
   expectIn(errorOf(withPoint(5, 0, 1, 1. / 0.)), "cell 5, which reaches from (0.5, 0, 0.5) to (1, inf, 1)");
   expectIn(errorOf(withPoint(5, 0, 1, 1e-3)), "cell 5, ");
@@ -587,7 +593,8 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
   };
   // Off the lattice, a third wide, of other widths along the axes, flat, overlapping.
   expectIn(errorOf(withBox({ 2.25, 0., 0. }, { 2.75, 0.5, 0.5 })),
-    "cell 9, which reaches from (2.25, 0, 0) to (2.75, 0.5, 0.5), fits no place of the lattice of the largest cells, "
+    "cell 9, which reaches from (2.25, 0, 0) to (2.75, 0.5, 0.5), fits no place of the lattice of the "
+    "largest cells, "
     "which are (1, 1, 1) wide like that from (1, 0, 0) to (2, 1, 1)");
   expectIn(errorOf(withBox({ 2., 0., 0. }, { 2.33333, 0.33333, 0.33333 })), "cell 9, ");
   expectIn(errorOf(withBox({ 2., 0., 0. }, { 2.5, 0.5, 0.25 })), "cell 9, ");
@@ -596,8 +603,10 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
   expectIn(errorOf(withBox({ 2., 0., 0. }, { 3.5, 1.5, 1.5 })), "cell 9, ");
   expectIn(errorOf(withBox({ 2.3, 0., 0. }, { 3.3, 1., 1. })), "cell 9, ");
   expectIn(errorOf(withBox({ 1., 0., 0. }, { 1.5, 0.5, 0.5 })),
-    "cells overlap: cell 8, which reaches from (1, 0, 0) to (2, 1, 1), and cell 9, which reaches from (1, 0, 0)");
-  expectIn(errorOf(withBox({ 0., 0., 0. }, { 1., 1., 1. })), ", and cell 9, which reaches from (0, 0, 0) to (1, 1, 1)");
+    "cells overlap: cell 8, which reaches from (1, 0, 0) to (2, 1, 1), and cell 9, which reaches from (1, 0, "
+    "0)");
+  expectIn(errorOf(withBox({ 0., 0., 0. }, { 1., 1., 1. })),
+    ", and cell 9, which reaches from (0, 0, 0) to (1, 1, 1)");
 
   const auto withCell = [](int type, std::vector<vtkIdType> ids) {
     const auto grid = makeHexahedra(nineCells(), {});
@@ -611,7 +620,8 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
     other->InsertNextCell(type, static_cast<vtkIdType>(ids.size()), ids.data());
     return vtkSmartPointer<vtkUnstructuredGrid>(other);
   };
-  expectIn(errorOf(withCell(VTK_WEDGE, { 0, 1, 2, 4, 5, 6 })), "cell 4, a vtkWedge, which reaches from (0, 0, 0) to");
+  expectIn(errorOf(withCell(VTK_WEDGE, { 0, 1, 2, 4, 5, 6 })),
+    "cell 4, a vtkWedge, which reaches from (0, 0, 0) to");
   expectIn(errorOf(withCell(VTK_TETRA, { 0, 1, 2, 4 })), "cell 4, a vtkTetra, ");
   expectIn(errorOf(withCell(VTK_QUAD, { 0, 1, 2, 3 })), "cell 4, a vtkQuad of 2 dimensions, ");
   expectIn(errorOf(withCell(VTK_HEXAHEDRON, { 0, 1, 2, 3, 4, 5, 6, 99999 })),
@@ -628,13 +638,15 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
   const vtkIdType pixel[] = { 0, 1, 2, 3 };
   square->Allocate(1);
   square->InsertNextCell(VTK_PIXEL, 4, pixel);
-  expectIn(errorOf(square), "cell 0, a vtkPixel of 2 dimensions, which reaches from (0, 0, 0) to (1, 1, 0); allowed");
+  expectIn(errorOf(square),
+    "cell 0, a vtkPixel of 2 dimensions, which reaches from (0, 0, 0) to (1, 1, 0); allowed");
 
   const auto shortArray = makeHexahedra(nineCells(), {});
   shortArray->GetCellData()->GetArray("number")->SetNumberOfTuples(8);
   expectIn(errorOf(shortArray), "cell array 'number' has 8 tuples, allowed are 9");
 
-  expectIn(errorOf(makeHexahedra({ { { 0, 0, 0 }, 0 }, { { Coord(1) << 21, 0, 0 }, 0 } }, {})), "allowed are 1048576");
+  expectIn(errorOf(makeHexahedra({ { { 0, 0, 0 }, 0 }, { { Coord(1) << 21, 0, 0 }, 0 } }, {})),
+    "allowed are 1048576");
 }
 
 TEST(FromUnstructured, OtherPiecesAreEmpty)

@@ -4,6 +4,7 @@
 #include <p4est.h>
 #include <p8est.h>
 #include <p8est_extended.h>
+#include <p8est_vtk.h>
 
 #include <cstring>
 #include <fstream>
@@ -244,6 +245,23 @@ void ForestWriter::save(const std::string& path, bool withPayload) const
     throw std::runtime_error(path + " cannot be written");
   }
   p8est_save(path.c_str(), impl_->forest, withPayload);
+}
+
+void ForestWriter::saveVtk(
+  const std::string& prefix, const std::string& name, const std::vector<double>& values, double scale) const
+{
+  p8est_vtk_context_t* context = p8est_vtk_context_new(impl_->forest, prefix.c_str());
+  p8est_vtk_context_set_scale(context, scale);
+  p8est_vtk_context_set_continuous(context, scale == 1.);
+  context = p8est_vtk_write_header(context);
+  sc_array_t* array = sc_array_new_data(const_cast<double*>(values.data()), sizeof(double), values.size());
+  context =
+    context ? p8est_vtk_write_cell_dataf(context, 1, 1, 1, 0, 1, 0, name.c_str(), array, context) : nullptr;
+  sc_array_destroy(array);
+  if (!context || p8est_vtk_write_footer(context) != 0)
+  {
+    throw std::runtime_error(prefix + ".pvtu cannot be written");
+  }
 }
 
 void ForestWriter::saveConnectivity(const std::string& path) const

@@ -65,6 +65,10 @@ public:
   std::array<Point, 2> bounds(const ForestQuadrant& quadrant) const;
 
   void save(const std::string& path, bool withPayload = true) const;
+  /// As p8est_vtk does: prefix.pvtu and one piece, with treeid, level, mpirank and the values, one a quadrant, rounded to
+  /// float. scale: of the cells about their centres, 0.95 unless told.
+  void saveVtk(const std::string& prefix, const std::string& name, const std::vector<double>& values,
+    double scale = 0.95) const;
   void saveConnectivity(const std::string& path) const;
 
 private:

@@ -19,11 +19,11 @@ struct HexahedronExport
   std::array<double, 3> origin{ 0., 0., 0. };
   std::array<double, 3> rootSize{ 1., 1., 1. };
   bool sharedPoints = false;
-  bool floats = false;     // coordinates are rounded to float
-  bool voxels = false;     // else hexahedra whose corners begin anywhere
-  double scale = 1.;       // shrunk about the centres
-  std::uint32_t seed = 0;  // of the order of cells; 0: as they come
-  int duplicates = 0;      // cells that come twice
+  bool floats = false;    // coordinates are rounded to float
+  bool voxels = false;    // else hexahedra whose corners begin anywhere
+  double scale = 1.;      // shrunk about the centres
+  std::uint32_t seed = 0; // of the order of cells; 0: as they come
+  int duplicates = 0;     // cells that come twice
 };
 
 /// Cell array "number" (int) is the place in the list; "hash" (double, 3 components) is hashes of that; point array "x"

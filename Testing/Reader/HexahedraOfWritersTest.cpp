@@ -1,0 +1,97 @@
+// What the writers of simulations have made, as grids: of a forest that libp4est writes for ParaView and saves, the two are
+// the same.
+#include "vtkTreeAMRFromUnstructured.h"
+#include "vtkTreeAMRP4estReader.h"
+
+#include "Support/ExampleForests.h"
+#include "Support/HyperTreeGrids.h"
+
+#include "vtkCellData.h"
+#include "vtkCommand.h"
+#include "vtkDataArray.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkNew.h"
+#include "vtkXMLPUnstructuredGridReader.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace treeamr::test;
+
+namespace
+{
+
+/// Bounds to a 4096th, so that those that are nearly equal are, in their order.
+std::vector<DrawnCell> leaves(vtkHyperTreeGrid* grid, const std::string& array)
+{
+  std::vector<DrawnCell> cells = drawnCells(grid, array);
+  double off = 0.;
+  for (DrawnCell& cell : cells)
+  {
+    for (double& x : cell.bounds)
+    {
+      const double rounded = std::round(x * 4096.) / 4096.;
+      off = std::max(off, std::abs(x - rounded));
+      x = rounded;
+    }
+  }
+  EXPECT_LT(off, 2e-6);
+  std::ranges::sort(cells, {}, &DrawnCell::bounds);
+  return cells;
+}
+
+} // namespace
+
+TEST(HexahedraOfWriters, P8estVtkHasTheForest)
+{
+  for (ForestWriter forest :
+    { ForestWriter::unitCube(), ForestWriter::brick({ 3, 2, 2 }), ForestWriter::named("twocubes") })
+  {
+    forest.refine([](const ForestQuadrant& q) { return q.level < 2; });
+    refineAtRandom(forest, 5, 4);
+    forest.setPayload(sizeof(double), [](const ForestQuadrant& q, std::byte* payload) {
+      const double value = static_cast<double>(hashOf(q) % 1000000) / 7.;
+      std::memcpy(payload, &value, sizeof(value));
+    });
+    std::vector<double> values;
+    for (const ForestQuadrant& q : forest.quadrants())
+    {
+      std::memcpy(&values.emplace_back(), q.payload.data(), sizeof(double));
+    }
+    ASSERT_GT(values.size(), 1u);
+    forest.save("writers.p8est");
+    vtkNew<vtkTreeAMRP4estReader> saved;
+    saved->SetFileName("writers.p8est");
+    saved->SetPayload("double value");
+    saved->GenerateLevelOn();
+    saved->Update();
+    for (const double scale : { 0.95, 1. })
+    {
+      forest.saveVtk("writers", "value", values, scale);
+      vtkNew<vtkXMLPUnstructuredGridReader> reader;
+      reader->SetFileName("writers.pvtu");
+      vtkNew<vtkTreeAMRFromUnstructured> filter;
+      filter->SetInputConnection(reader->GetOutputPort());
+      const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
+      filter->Update();
+      ASSERT_TRUE(errors.messages().empty()) << errors.messages()[0];
+      auto* const grid = vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0));
+      for (const char* name : { "value", "level", "treeid" })
+      {
+        const std::vector<DrawnCell> expected = leaves(saved->GetHyperTreeGridOutput(), name);
+        const std::vector<DrawnCell> found = leaves(grid, name);
+        ASSERT_EQ(found.size(), values.size());
+        ASSERT_EQ(expected.size(), values.size());
+        for (std::size_t i = 0; i < found.size(); ++i)
+        {
+          ASSERT_EQ(found[i].bounds, expected[i].bounds);
+          ASSERT_EQ(found[i].value, static_cast<float>(expected[i].value));
+        }
+      }
+      EXPECT_TRUE(grid->GetCellData()->HasArray("mpirank"));
+    }
+  }
+}
