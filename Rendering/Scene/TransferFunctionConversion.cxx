@@ -27,6 +27,12 @@ using Entry = TransferFunction::Entry;
 using Node = TransferFunction::Node;
 using Color = std::array<double, 3>;
 
+/// A midpoint and a sharpness with which VTK draws a line to the next node.
+bool isStraight(const double* midpointAndSharpness)
+{
+  return midpointAndSharpness[0] == 0.5 && midpointAndSharpness[1] == 0.;
+}
+
 /// A function between neighbouring nodes of it, by VTK's evaluation of a function of these two alone: that of the whole
 /// one passes all of its nodes, for each value.
 class Opacities
@@ -47,8 +53,10 @@ public:
   /// From now on for values from node i - 1 to node i, or beyond an end.
   void choose(std::size_t i)
   {
+    next_ = i;
     isInside_ = i > 0 && i < nodes_.size();
-    if (isInside_)
+    isLine_ = !isInside_ || (!segment_->GetUseLogScale() && isStraight(&nodes_[i - 1][2]));
+    if (!isLine_)
     {
       segment_->RemoveAllPoints();
       for (const auto& [x, y, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
@@ -57,13 +65,30 @@ public:
       }
     }
   }
-  double at(double value) { return isInside_ ? segment_->GetValue(value) : function_->GetValue(value); }
+  /// Whether these are a line.
+  bool isLine() const { return isLine_; }
+  double at(double value)
+  {
+    if (!isInside_)
+    {
+      return function_->GetValue(value);
+    }
+    if (!isLine_)
+    {
+      return segment_->GetValue(value);
+    }
+    const auto& a = nodes_[next_ - 1];
+    const auto& b = nodes_[next_];
+    return std::lerp(a[1], b[1], std::clamp((value - a[0]) / (b[0] - a[0]), 0., 1.));
+  }
 
 private:
   vtkPiecewiseFunction* function_;
   std::vector<std::array<double, 4>> nodes_;
   vtkNew<vtkPiecewiseFunction> segment_;
+  std::size_t next_ = 0;
   bool isInside_ = false;
+  bool isLine_ = true;
 };
 
 /// The same of colours. Of what ParaView shows on surfaces in few colours VTK's volume mappers know nothing: they ask
@@ -93,8 +118,11 @@ public:
   double node(std::size_t i) const { return nodes_[i][0]; }
   void choose(std::size_t i)
   {
+    next_ = i;
     isInside_ = i > 0 && i < nodes_.size();
-    if (isInside_ && table_.empty())
+    isLine_ = !isInside_ ||
+      (!isLogarithmic_ && segment_->GetColorSpace() == VTK_CTF_RGB && isStraight(&nodes_[i - 1][4]));
+    if (!isLine_ && table_.empty())
     {
       segment_->RemoveAllPoints();
       for (const auto& [x, r, g, b, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
@@ -103,13 +131,25 @@ public:
       }
     }
   }
+  bool isLine() const { return isLine_; }
   Color at(double value)
   {
+    Color color;
+    if (isInside_ && isLine_)
+    {
+      const auto& a = nodes_[next_ - 1];
+      const auto& b = nodes_[next_];
+      const double part = std::clamp((value - a[0]) / (b[0] - a[0]), 0., 1.);
+      for (int c = 0; c < 3; ++c)
+      {
+        color[c] = std::lerp(a[c + 1], b[c + 1], part);
+      }
+      return color;
+    }
     if (isInside_ && !table_.empty())
     {
       return inTable(value);
     }
-    Color color;
     (isInside_ ? segment_ : function_)->GetTable(value, value, 1, color.data());
     return color;
   }
@@ -144,7 +184,9 @@ private:
   vtkColorTransferFunction* function_;
   std::vector<std::array<double, 6>> nodes_;
   vtkNew<vtkColorTransferFunction> segment_;
+  std::size_t next_ = 0;
   bool isInside_ = false;
+  bool isLine_ = true;
   bool isLogarithmic_;
   std::vector<Color> table_; // of CIEDE2000 only, over [first_, last_]
   double first_ = 0.;
@@ -221,6 +263,9 @@ public:
       TransferFunction::extinctionFromOpacity(opacities_.at(value), unitDistance_) };
   }
 
+  /// Whether colours and opacities are lines now, so that extinctions alone bend.
+  bool areLines() const { return opacities_.isLine() && (grays_ ? grays_->isLine() : colors_->isLine()); }
+  double opacityAt(double relative) { return opacities_.at(offset_ + relative); }
   double unitDistance() const { return unitDistance_; }
   /// By which values must differ for the functions to tell them apart.
   double rounding() const { return 4. * std::numeric_limits<double>::epsilon() * std::abs(offset_); }
@@ -249,8 +294,11 @@ void checkUnitDistance(vtkVolumeProperty* property)
 class NodeList
 {
 public:
-  explicit NodeList(PropertyFunctions& functions)
+  /// count: of segments.
+  NodeList(PropertyFunctions& functions, std::size_t count)
     : functions_(functions)
+    // What many segments err by is not seen as one colour.
+    , part_(count < 128 ? 1. / 2048. : 1. / 320.)
   {
   }
 
@@ -263,11 +311,20 @@ public:
     const auto inset = [&](double end) {
       return std::max(functions_.rounding(), beside * (end == 0. ? b - a : std::min(b - a, std::abs(end))));
     };
-    const Entry first = functions_.at(a + inset(a));
-    const Entry last = functions_.at(b - inset(b));
+    const double begin = a + inset(a);
+    const double end = b - inset(b);
+    const Entry first = functions_.at(begin);
+    const Entry last = functions_.at(end);
     const Entry atEnd = functions_.at(b);
-    begin(a, first);
-    refine(a, first, b, last);
+    this->begin(a, first);
+    if (functions_.areLines())
+    {
+      addCurve(a, first, functions_.opacityAt(begin), b, last, functions_.opacityAt(end));
+    }
+    else
+    {
+      refine(a, first, b, last);
+    }
     end_ = last;
     atEnd_ = atEnd;
   }
@@ -320,6 +377,53 @@ private:
     nodes_.push_back(node);
   }
 
+  /// Adds nodes inside of a segment of lines until lines follow its extinctions, -log(1 - opacity).
+  void addCurve(double a, const Entry& ofA, double opacityOfA, double b, const Entry& ofB, double opacityOfB)
+  {
+    const auto [low, high] = std::minmax(opacityOfA, opacityOfB);
+    const double least = 1. - high;
+    const double change = opacityOfB - opacityOfA;
+    std::vector<double> opacities;
+    if (low < 0. && high > 0.)
+    {
+      opacities.push_back(0.);
+    }
+    // Over a step h a line errs by h^2 / 8 (1 - opacity)^-2 at most.
+    double clear = 1. - std::max(low, 0.);
+    while (clear > std::numeric_limits<double>::epsilon())
+    {
+      const double extinction = -std::log(clear);
+      const double step = std::sqrt(8. * extinction * partOf(extinction));
+      clear = std::min(clear / (1. + step), clear - 4. * part_);
+      if (clear <= least)
+      {
+        break;
+      }
+      opacities.push_back(1. - clear);
+    }
+    if (low < 1. && high > 1.)
+    {
+      opacities.push_back(1.);
+    }
+    if (change < 0.)
+    {
+      std::reverse(opacities.begin(), opacities.end());
+    }
+    for (const double opacity : opacities)
+    {
+      const double part = (opacity - opacityOfA) / change;
+      const auto color = static_cast<float>(part);
+      const Entry entry{ std::lerp(ofA.r, ofB.r, color), std::lerp(ofA.g, ofB.g, color),
+        std::lerp(ofA.b, ofB.b, color),
+        TransferFunction::extinctionFromOpacity(opacity, functions_.unitDistance()) };
+      add({ std::lerp(a, b, part), entry, entry });
+    }
+  }
+
+  /// By how much of itself an extinction may err, per unit distance: the more opaque, the less it is seen: in a
+  /// quarter of the unit distance as much, here.
+  double partOf(double extinction) const { return std::min(part_ * std::exp(0.25 * extinction), 0.25); }
+
   /// Adds nodes inside of the segment from a to b until lines follow it.
   void refine(double a, const Entry& ofA, double b, const Entry& ofB)
   {
@@ -351,14 +455,12 @@ private:
   bool isClose(const Entry& a, const Entry& b) const
   {
     constexpr float channel = 1.f / 1024.f;
-    constexpr double part = 1. / 2048.;
     constexpr double nothing = 1e-8; // of opacity
     const double change =
       std::abs(static_cast<double>(a.extinction) - b.extinction) * functions_.unitDistance();
     const double largest = std::max(a.extinction, b.extinction) * functions_.unitDistance();
     const double least = largest - change;
-    // The more opaque both are, the less their difference is seen: in a quarter of the unit distance as much, here.
-    const double most = std::max(largest * std::min(part * std::exp(0.25 * least), 0.25), nothing);
+    const double most = std::max(largest * partOf(least), nothing);
     return std::abs(a.r - b.r) <= channel && std::abs(a.g - b.g) <= channel &&
       std::abs(a.b - b.b) <= channel && std::exp(-least) - std::exp(-largest) <= channel && change <= most;
   }
@@ -373,6 +475,7 @@ private:
   }
 
   PropertyFunctions& functions_;
+  double part_;
   std::vector<Node> nodes_;
   Entry end_{};   // what the segment before came to
   Entry atEnd_{}; // what it is there
@@ -385,7 +488,7 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
   checkUnitDistance(property);
   PropertyFunctions functions(property, dataRange, offset);
   const std::vector<double> values = functions.values();
-  NodeList nodes(functions);
+  NodeList nodes(functions, values.size());
   double at = dataRange.min;
   functions.choose(at);
   nodes.beginWith(functions.at(at));

@@ -413,6 +413,24 @@ TEST_F(TransferFunctionTest, thousandsOfNodes)
   EXPECT_LE(worstChannel(property, 0.f, static_cast<float>(count)), asked);
 }
 
+// VTK keeps opacities beyond 0 and 1 as they are; what they come to bends there.
+TEST_F(TransferFunctionTest, opacitiesBeyondBothEnds)
+{
+  for (const bool rises : { true, false })
+  {
+    opacity->RemoveAllPoints();
+    opacity->AddPoint(0., rises ? -0.5 : 1.5);
+    opacity->AddPoint(2., rises ? 1.5 : -0.5);
+    const TransferFunction table = convertTransferFunction(property, { 0.f, 2.f });
+    for (const float value : { 0.f, 0.2f, 0.49f, 0.55f, 0.7f, 1.f, 1.3f, 1.45f, 1.6f, 2.f })
+    {
+      const double alpha = std::clamp(opacity->GetValue(value), 0., 1.);
+      EXPECT_NEAR(-std::expm1(-table.at(value).extinction * 0.5), alpha, asked) << value;
+    }
+    EXPECT_FALSE(table.isVisible(rises ? Range{ 0.f, 0.49f } : Range{ 1.51f, 2.f }));
+  }
+}
+
 TEST_F(TransferFunctionTest, narrowPeaks)
 {
   for (const double width : { 1e-2, 1e-4, 1e-6 })

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace treeamr
 {
@@ -16,6 +17,8 @@ using Node = TransferFunction::Node;
 
 /// Binary orders of magnitude of places, and of extinctions when products with places must be floats.
 constexpr int largest = 60;
+/// Rows that share a finest step.
+constexpr std::size_t group = 16;
 /// Of what unscale() has left: denser than that nothing is told apart.
 const double densest = std::ldexp(1., largest);
 
@@ -62,11 +65,10 @@ float toFloat(double x)
 }
 
 /// Calls add(part of the way, entry) for what is between two entries, until products of colour and extinction, of which
-/// each is a line, are lines themselves: the colour errs by 1/2048 of a channel.
+/// each is a line, are lines themselves: the colour errs by `tolerance` of a channel.
 template <class Add>
-void divide(const Entry& a, const Entry& b, double begin, double end, const Add& add)
+void divide(const Entry& a, const Entry& b, float tolerance, double begin, double end, const Add& add)
 {
-  constexpr float tolerance = 1.f / 2048.f;
   const float sum = a.extinction + b.extinction;
   const float change = std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) });
   if (!(std::abs(b.extinction - a.extinction) * change > 2.f * tolerance * sum))
@@ -75,9 +77,9 @@ void divide(const Entry& a, const Entry& b, double begin, double end, const Add&
   }
   const Entry middle = TransferFunction::between(a, b, 0.5f);
   const double half = 0.5 * (begin + end);
-  divide(a, middle, begin, half, add);
+  divide(a, middle, tolerance, begin, half, add);
   add(half, middle);
-  divide(middle, b, half, end, add);
+  divide(middle, b, tolerance, half, end, add);
 }
 
 /// The largest float up to x and the smallest from it on.
@@ -176,6 +178,9 @@ std::vector<IntegralTable::Station> IntegralTable::thinned(const std::vector<Sta
 std::vector<IntegralTable::Station> IntegralTable::makeStations(
   const TransferFunction& transferFunction, const std::vector<Node>& nodes, double unit) const
 {
+  // What thousands of parts err by is not seen as one colour, and their rows fill caches.
+  constexpr std::size_t many = 4096;
+  const float tolerance = nodes.size() > many ? 1.f / 512.f : 1.f / 2048.f;
   std::vector<Station> stations;
   const auto add = [&](double value, const Entry& below, const Entry& above) {
     Station station{ toFloat(placeOf(value)), below, above };
@@ -214,7 +219,7 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
     if (i + 1 < nodes.size())
     {
       const Node& next = nodes[i + 1];
-      divide(node.above, next.below, 0., 1.,
+      divide(node.above, next.below, tolerance, 0., 1.,
         [&](double part, const Entry& entry) { add(std::lerp(node.value, next.value, part), entry, entry); });
     }
   }
@@ -280,27 +285,36 @@ void IntegralTable::makeFinestSteps(const std::vector<Station>& stations, double
                           (high - low) / std::max(high, faint) * std::exp(-low * smallestLeaf) });
   };
   std::vector<float> finest(count + 1, std::numeric_limits<float>::infinity());
-  jumps_.assign(1, 0);
   for (std::size_t i = 0; i < count; ++i)
   {
-    jumps_.push_back(jumps_.back() + (change(stations[i].below, stations[i].above) > 1. / channelSteps));
-    const double ofRow = i + 1 < count ? change(stations[i].above, stations[i + 1].below) : 0.;
-    if (ofRow > 0.)
+    float& ofRow = finest[i + 1];
+    const double inRow = i + 1 < count ? change(stations[i].above, stations[i + 1].below) : 0.;
+    if (inRow > 0.)
     {
-      finest[i + 1] =
-        toFloat((static_cast<double>(stations[i + 1].place) - stations[i].place) / (ofRow * channelSteps));
+      ofRow =
+        toFloat((static_cast<double>(stations[i + 1].place) - stations[i].place) / (inRow * channelSteps));
+    }
+    if (change(stations[i].below, stations[i].above) > 1. / channelSteps)
+    {
+      ofRow = -ofRow;
     }
   }
-  finestSteps_.push_back(std::move(finest));
-  for (std::size_t width = 1; 2 * width <= count + 1; width *= 2)
+  std::vector<float> ofGroups((finest.size() + group - 1) / group, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < finest.size(); ++i)
   {
-    const std::vector<float>& half = finestSteps_.back();
+    ofGroups[i / group] = std::min(ofGroups[i / group], finest[i]);
+  }
+  finestSteps_ = std::move(finest);
+  finestOfGroups_.push_back(std::move(ofGroups));
+  for (std::size_t width = 1; 2 * width <= finestOfGroups_.front().size(); width *= 2)
+  {
+    const std::vector<float>& half = finestOfGroups_.back();
     std::vector<float> whole(half.size() - width);
     for (std::size_t i = 0; i < whole.size(); ++i)
     {
       whole[i] = std::min(half[i], half[i + width]);
     }
-    finestSteps_.push_back(std::move(whole));
+    finestOfGroups_.push_back(std::move(whole));
   }
 }
 
@@ -310,13 +324,28 @@ float IntegralTable::finestStep(double firstPlace, double lastPlace) const noexc
   const auto stations = places_.begin() + 1;
   const auto last = std::max(
     first, static_cast<std::size_t>(std::lower_bound(stations, endOfPlaces(), lastPlace) - stations));
-  if (jumps_[last] > jumps_[first])
+  const auto leastOf = [&](std::size_t from, std::size_t end) {
+    const auto begin = finestSteps_.begin();
+    return std::accumulate(begin + static_cast<std::ptrdiff_t>(from),
+      begin + static_cast<std::ptrdiff_t>(end), std::numeric_limits<float>::infinity(),
+      [](float a, float b) { return std::min(a, b); });
+  };
+  // A jump where the first one begins is before it.
+  float least = std::abs(finestSteps_[first]);
+  const std::size_t firstGroup = (first + group) / group; // that are whole
+  const std::size_t endGroup = (last + 1) / group;
+  if (firstGroup < endGroup)
   {
-    return 0.f;
+    const std::size_t level = std::bit_width(endGroup - firstGroup) - 1;
+    const std::vector<float>& groups = finestOfGroups_[level];
+    least = std::min({ least, leastOf(first + 1, firstGroup * group), groups[firstGroup],
+      groups[endGroup - (std::size_t(1) << level)], leastOf(endGroup * group, last + 1) });
   }
-  const std::size_t level = std::bit_width(last - first + 1) - 1;
-  const std::vector<float>& steps = finestSteps_[level];
-  return std::min(steps[first], steps[last + 1 - (std::size_t(1) << level)]);
+  else
+  {
+    least = std::min(least, leastOf(first + 1, last + 1));
+  }
+  return std::max(least, 0.f);
 }
 
 std::size_t IntegralTable::rowOf(double place) const noexcept

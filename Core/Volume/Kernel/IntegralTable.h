@@ -96,8 +96,8 @@ private:
   std::vector<float> places_;
   std::vector<ColorChange> colorChanges_;
   std::vector<double> variation_;
-  std::vector<std::vector<float>> finestSteps_; // of 2^i rows from each on
-  std::vector<std::uint32_t> jumps_;            // that are seen, among the first i nodes
+  std::vector<float> finestSteps_; // of rows; negative where a row begins with a jump that is seen
+  std::vector<std::vector<float>> finestOfGroups_; // the least of 2^i groups of rows from each on
   Index index_;
 };
 
