@@ -1,5 +1,5 @@
-// What the writers of simulations have made, as grids: of a forest that libp4est writes for ParaView and saves, the two are
-// the same.
+// What the writers of simulations have made, as grids. Of a forest that libp4est writes for ParaView and saves, the two are
+// the same; deal.II's files have the values of the function that was interpolated.
 #include "vtkTreeAMRFromUnstructured.h"
 #include "vtkTreeAMRP4estReader.h"
 
@@ -16,8 +16,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <string>
 
 using namespace treeamr::test;
 
@@ -93,5 +95,55 @@ TEST(HexahedraOfWriters, P8estVtkHasTheForest)
       }
       EXPECT_TRUE(grid->GetCellData()->HasArray("mpirank"));
     }
+  }
+}
+
+// Testing/Data/DealII/waves.cc says how the files were made: point data of a trilinear function, cells split into patches, two
+// pieces. The mean of a cell's corners is the function at its centre.
+TEST(HexahedraOfWriters, DealIIHasPatches)
+{
+  struct Case
+  {
+    const char* name;
+    vtkIdType cells;
+    int patches;
+    std::array<double, 3> rootSize;
+    double volume;
+  };
+  for (const Case& c : { Case{ "cube", 288, 1, { 2., 2., 2. }, 8. },
+         Case{ "rectangle", 34, 3, { 0.4, 0.35, 0.3 }, 1.2 * 0.7 * 0.3 },
+         Case{ "hyper_L", 56, 2, { 1., 1., 1. }, 7. } })
+  {
+    SCOPED_TRACE(c.name);
+    vtkNew<vtkXMLPUnstructuredGridReader> reader;
+    reader->SetFileName((std::string(TREEAMR_DATA_DIR) + "/DealII/" + c.name + "_0.pvtu").c_str());
+    vtkNew<vtkTreeAMRFromUnstructured> filter;
+    filter->SetInputConnection(reader->GetOutputPort());
+    const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
+    const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
+    filter->Update();
+    ASSERT_TRUE(errors.messages().empty()) << errors.messages()[0];
+    ASSERT_EQ(warnings.messages().size(), 1u);
+    EXPECT_NE(warnings.messages()[0].find("averaged to the cells: wave, level"), std::string::npos);
+    auto* const grid = vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0));
+    const std::vector<DrawnCell> waves = drawnCells(grid, "wave");
+    const std::vector<DrawnCell> levels = drawnCells(grid, "level");
+    ASSERT_EQ(static_cast<vtkIdType>(waves.size()), c.cells * c.patches * c.patches * c.patches);
+    double volume = 0.;
+    for (std::size_t i = 0; i < waves.size(); ++i)
+    {
+      std::array<double, 3> p;
+      double cell = 1.;
+      for (int a = 0; a < 3; ++a)
+      {
+        p[a] = (waves[i].bounds[a] + waves[i].bounds[a + 3]) / 2.;
+        const double width = waves[i].bounds[a + 3] - waves[i].bounds[a];
+        cell *= width;
+        EXPECT_NEAR(width, c.rootSize[a] / c.patches / std::exp2(levels[i].value), 1e-6);
+      }
+      volume += cell;
+      EXPECT_NEAR(waves[i].value, 0.5 + p[0] + 2. * p[1] - p[2] + 3. * p[0] * p[1] * p[2], 2e-6);
+    }
+    EXPECT_NEAR(volume, c.volume, 1e-5);
   }
 }
