@@ -9,7 +9,8 @@
  * The largest cells say how wide the roots are; every other cell has half, a quarter ... of that along all three axes and
  * begins at a multiple of its own widths from one of the largest. Coordinates may be rounded, to float or to six digits,
  * and cells shrunk about their centres, all alike. See Forest/BoxLattice.h for how much. Roots are joined to larger ones as
- * long as their numbers are even along all axes. Where there is no cell the grid is masked.
+ * long as their numbers are even along all axes or there are more than 65,536: the last ones may reach beyond the cells then.
+ * Where there is no cell the grid is masked.
  *
  * Of cells at one place the first counts, and none that vtkGhostType marks as duplicate, refined or hidden. An error names
  * the first cell that is no box along the axes or fits not the lattice, with its bounds, and cells that overlap; the output is

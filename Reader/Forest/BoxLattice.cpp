@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 namespace treeamr
@@ -224,7 +225,8 @@ BoxLattice::BoxLattice(const BoxSizes& sizes, double rounding, double scale)
     fitAxis(sizes, levels, a);
   }
   deepest_ = std::min(*std::ranges::max_element(levels), deepestLevel);
-  joinRoots();
+  joinRoots(std::accumulate(sizes.sizes().begin(), sizes.sizes().end(), std::uint64_t(0),
+    [](std::uint64_t sum, const BoxSizes::Size& size) { return sum + size.count; }));
   for (int a = 0; a < 3; ++a)
   {
     const double root = (planes_[a].back() - planes_[a].front()) / roots_[a];
@@ -323,20 +325,30 @@ void BoxLattice::fitAxis(const BoxSizes& sizes, const std::vector<int>& levels, 
   }
 }
 
-// Eight roots to one as long as there is an even number along each axis: trees that hold one box each cost hundreds of
-// bytes.
-void BoxLattice::joinRoots()
+// Eight roots to one as long as there is an even number along each axis, and for less than that where there would be too
+// many trees: one that holds one box costs 400 bytes and some microseconds.
+void BoxLattice::joinRoots(std::uint64_t boxes)
 {
-  while (std::ranges::all_of(roots_, [](int n) { return n % 2 == 0; }) && deepest_ < deepestLevel)
+  const auto isEven = [](int n) { return n % 2 == 0; };
+  const auto areMany = [&] {
+    const double roots = double(roots_[0]) * roots_[1] * roots_[2];
+    return std::min(roots, static_cast<double>(boxes)) > double(manyTrees);
+  };
+  while (deepest_ < deepestLevel && (std::ranges::all_of(roots_, isEven) || areMany()))
   {
     for (int a = 0; a < 3; ++a)
     {
-      roots_[a] /= 2;
+      std::vector<double>& planes = planes_[a];
+      if (!isEven(roots_[a]))
+      {
+        planes.push_back(2. * planes.back() - planes[planes.size() - 2]);
+      }
+      roots_[a] = static_cast<int>(planes.size() - 1) / 2;
       for (int i = 0; i <= roots_[a]; ++i)
       {
-        planes_[a][i] = planes_[a][2 * i];
+        planes[i] = planes[2 * i];
       }
-      planes_[a].resize(roots_[a] + 1);
+      planes.resize(roots_[a] + 1);
     }
     ++joined_;
     ++deepest_;

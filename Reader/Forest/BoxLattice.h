@@ -90,11 +90,13 @@ public:
   /// Throws Error for a lattice of more roots along an axis than maxRoots.
   BoxLattice(const BoxSizes& sizes, double rounding, double scale = 1.);
   static constexpr std::int64_t maxRoots = std::int64_t(1) << 20;
+  static constexpr std::int64_t manyTrees = std::int64_t(1) << 16;
 
   /// Nothing for corners of which one fits no plane.
   std::optional<CellId> place(const CornerCoordinates& corners) const noexcept;
 
-  /// Of roots, which may be some times wider than the largest box: fewer and deeper trees take less memory and time.
+  /// Of roots, which may be some times wider than the largest box: fewer and deeper trees take less memory and time. As long
+  /// as there could be more than manyTrees, the last ones reach beyond the boxes where numbers are odd.
   const std::array<int, 3>& roots() const noexcept { return roots_; }
   /// Their planes. Those at the ends are the boxes' own coordinates where boxes reach there.
   const std::array<std::vector<double>, 3>& planes() const noexcept { return planes_; }
@@ -107,7 +109,7 @@ public:
 
 private:
   void fitAxis(const BoxSizes& sizes, const std::vector<int>& levels, int axis);
-  void joinRoots();
+  void joinRoots(std::uint64_t boxes);
 
   double rounding_;
   double scale_;

@@ -248,11 +248,11 @@ TEST(FromUnstructured, DeepTrees)
   }
 }
 
-TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEven)
+TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEvenOrLarge)
 {
   for (const auto& [roots, joined] :
     { std::pair<std::array<int, 3>, std::array<int, 3>>{ { 8, 8, 8 }, { 1, 1, 1 } },
-      { { 12, 4, 8 }, { 3, 1, 2 } }, { { 3, 4, 4 }, { 3, 4, 4 } } })
+      { { 12, 4, 8 }, { 3, 1, 2 } }, { { 3, 4, 4 }, { 3, 4, 4 } }, { { 43, 41, 40 }, { 22, 21, 20 } } })
   {
     RandomTree tree;
     tree.roots = roots;
@@ -273,7 +273,9 @@ TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEven)
     double bounds[6];
     result.grid->GetBounds(bounds);
     EXPECT_EQ(bounds[0], 0.1);
-    EXPECT_EQ(bounds[1], 0.1 + roots[0] * 0.1);
+    const bool many = roots[0] == 43; // so that they are joined though their numbers are odd
+    EXPECT_DOUBLE_EQ(bounds[1], 0.1 + (roots[0] + many) * 0.1);
+    EXPECT_EQ(bounds[5], 0.3 + roots[2] * 0.1);
   }
 }
 
