@@ -28,6 +28,8 @@ class CellArrayFiller
 public:
   virtual ~CellArrayFiller() = default;
   virtual void setLeaf(vtkIdType node, const TreeLeaf& leaf) = 0;
+  /// Told some leaves before that of this number, whose values may lie anywhere.
+  virtual void prepare(std::uint64_t /*number*/) const {}
   /// present: mask of the children that have cells, one at least.
   virtual void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) = 0;
   /// Where there is no cell.

@@ -1,6 +1,7 @@
 #include "HexahedronArrays.h"
 
 #include "Error.h"
+#include "Prefetch.h"
 
 #include "vtkAbstractArray.h"
 #include "vtkCellData.h"
@@ -86,6 +87,11 @@ public:
     {
       to[c] = from[c];
     }
+  }
+  void prepare(std::uint64_t number) const override
+  {
+    const CellNumber cell(number);
+    prefetch(arrays_[cell.block()]->GetPointer(cell.cell() * this->components_));
   }
 
 private:

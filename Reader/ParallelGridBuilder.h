@@ -181,6 +181,7 @@ private:
       },
       [&](std::size_t i, int depth) {
         const vtkIdType node = nodeOf(i, depth);
+        const std::uint64_t soon = cells_.value(std::min(i + 16, cells_.size() - 1));
         TreeLeaf leaf{ static_cast<std::int32_t>(at.trees - 1), {}, depth - padding, cells_.value(i),
           nullptr };
         const std::array<Coord, 3> index = cells_.index(i, depth);
@@ -190,6 +191,7 @@ private:
         }
         for (const auto& filler : fillers_)
         {
+          filler->prepare(soon);
           filler->setLeaf(node, leaf);
         }
       });

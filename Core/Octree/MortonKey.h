@@ -23,6 +23,16 @@ constexpr std::uint64_t spreadBits(std::uint64_t x) noexcept
   x = (x | x << 4) & 0x10c30c30c30c30c3;
   return (x | x << 2) & 0x1249249249249249;
 }
+/// The inverse: every third bit of x.
+constexpr std::uint64_t gatherBits(std::uint64_t x) noexcept
+{
+  x &= 0x1249249249249249;
+  x = (x | x >> 2) & 0x10c30c30c30c30c3;
+  x = (x | x >> 4) & 0x100f00f00f00f00f;
+  x = (x | x >> 8) & 0x1f0000ff0000ff;
+  x = (x | x >> 16) & 0x1f00000000ffff;
+  return (x | x >> 32) & 0x1fffff;
+}
 constexpr std::uint64_t interleave(std::uint64_t x, std::uint64_t y, std::uint64_t z) noexcept
 {
   return spreadBits(x) | spreadBits(y) << 1 | spreadBits(z) << 2;
@@ -52,6 +62,13 @@ public:
   int octant(Key key, int depth) const noexcept
   {
     return static_cast<int>(key >> (3 * (depth_ - depth) + 1) & 7);
+  }
+  /// On the lattice of a depth, of the cell or of what is around it.
+  std::array<Coord, 3> index(Key key, int depth) const noexcept
+  {
+    const std::uint64_t path = std::uint64_t(key) >> 3 * (depth_ - depth) >> 1;
+    return { static_cast<Coord>(gatherBits(path)), static_cast<Coord>(gatherBits(path >> 1)),
+      static_cast<Coord>(gatherBits(path >> 2)) };
   }
   /// Depth of the deepest node around two disjoint cells; of overlapping ones at least that of the coarser.
   int commonDepth(Key a, Key b) const noexcept
@@ -108,6 +125,15 @@ public:
   int octant(const Key& key, int depth) const noexcept
   {
     return static_cast<int>(key.words[(depth - 1) / 21] >> 3 * (20 - (depth - 1) % 21) & 7);
+  }
+  std::array<Coord, 3> index(const Key& key, int depth) const noexcept
+  {
+    std::array<Coord, 3> index{};
+    for (int d = 1; d <= depth; ++d)
+    {
+      index = indexOfChild(index, octant(key, d));
+    }
+    return index;
   }
   int commonDepth(const Key& a, const Key& b) const noexcept
   {

@@ -98,12 +98,7 @@ public:
   /// Index on the lattice of the cell's level, or, of one around it, on that of depth `depth`.
   std::array<Coord, 3> index(std::size_t i, int depth) const noexcept
   {
-    std::array<Coord, 3> at{};
-    for (int d = 1; d <= depth; ++d)
-    {
-      at = indexOfChild(at, octant(i, d));
-    }
-    return at;
+    return keys_.index(records_[i].key, depth);
   }
   CellId cell(std::size_t i) const noexcept { return { index(i, depth(i)), depth(i) - padding_ }; }
 

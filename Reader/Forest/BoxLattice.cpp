@@ -26,32 +26,33 @@ int nearestLog2(double ratio) noexcept
   return static_cast<int>(std::bit_cast<std::uint64_t>(ratio * std::numbers::sqrt2) >> 52) - 1023;
 }
 
-/// Whether the corners are the eight of a box between two planes along each axis, with slack.
+/// Whether the corners are the eight of a box between two planes along each axis, with slack. Written for vectors: nothing
+/// depends on the corner before.
 bool areCornersOf(const CornerCoordinates& corners, const std::array<std::array<double, 2>, 3>& planes,
   const std::array<double, 3>& slack) noexcept
 {
-  std::array<unsigned, 8> octants{};
-  bool near = true;
+  std::array<std::int64_t, 8> octants{};
+  std::array<std::int64_t, 8> off{};
   for (int a = 0; a < 3; ++a)
   {
-    const double middle = planes[a][0] + (planes[a][1] - planes[a][0]) / 2.;
-    double worst = 0.;
+    const double low = planes[a][0];
+    const double high = planes[a][1];
+    const double middle = low + (high - low) / 2.;
     for (int p = 0; p < 8; ++p)
     {
       const double x = corners[a][p];
-      const bool high = x > middle;
-      octants[p] |= static_cast<unsigned>(high) << a;
-      const double off = std::abs(x - (high ? planes[a][1] : planes[a][0]));
-      worst = off > worst ? off : worst;
+      octants[p] |= x > middle ? std::int64_t(1) << a : 0;
+      off[p] |= std::abs(x - (x > middle ? high : low)) <= slack[a] ? 0 : 1;
     }
-    near = near && worst <= slack[a];
   }
-  unsigned seen = 0;
-  for (const unsigned octant : octants)
+  std::int64_t seen = 0;
+  std::int64_t anyOff = 0;
+  for (int p = 0; p < 8; ++p)
   {
-    seen |= 1u << octant;
+    seen |= std::int64_t(1) << octants[p];
+    anyOff |= off[p];
   }
-  return near && seen == 0xff;
+  return seen == 0xff && anyOff == 0;
 }
 
 } // namespace

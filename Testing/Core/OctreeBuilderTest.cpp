@@ -184,7 +184,11 @@ void expectMortonOrder(int maxDepth)
     for (int d = 1; d <= a.depth; ++d)
     {
       ASSERT_EQ(keys.octant(key, d), p[d - 1] - '0');
+      const int up = a.depth - d;
+      ASSERT_EQ(
+        keys.index(key, d), (std::array<Coord, 3>{ a.index[0] >> up, a.index[1] >> up, a.index[2] >> up }));
     }
+    ASSERT_EQ(keys.index(key, 0), (std::array<Coord, 3>{}));
     for (const Cell& b : cells)
     {
       const std::string q = pathOf(b.index, b.depth);
