@@ -15,6 +15,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkHyperTreeGridNonOrientedCursor.h"
 #include "vtkHyperTreeGridNonOrientedGeometryCursor.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
@@ -97,6 +98,39 @@ void forEachLeaf(vtkHyperTreeGrid* grid, const std::function<void(const double*,
   }
 }
 
+/// Calls visit(global index, those of its children that are not masked) at each coarse cell.
+void forEachNode(
+  vtkHyperTreeGrid* grid, const std::function<void(vtkIdType, const std::vector<vtkIdType>&)>& visit)
+{
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
+  grid->InitializeTreeIterator(trees);
+  vtkIdType tree = 0;
+  while (trees.GetNextTree(tree))
+  {
+    vtkNew<vtkHyperTreeGridNonOrientedCursor> cursor;
+    grid->InitializeNonOrientedCursor(cursor, tree);
+    const std::function<void()> walk = [&] {
+      if (cursor->IsLeaf())
+      {
+        return;
+      }
+      std::vector<vtkIdType> children;
+      for (unsigned char o = 0; o < 8; ++o)
+      {
+        cursor->ToChild(o);
+        if (!cursor->IsMasked())
+        {
+          children.push_back(cursor->GetGlobalNodeIndex());
+          walk();
+        }
+        cursor->ToParent();
+      }
+      visit(cursor->GetGlobalNodeIndex(), children);
+    };
+    walk();
+  }
+}
+
 /// The leaves are the cells, with their values.
 void expectCells(vtkHyperTreeGrid* grid, const std::vector<CellId>& cells, const HexahedronExport& options)
 {
@@ -134,6 +168,22 @@ std::vector<CellId> cellsOf(const RandomTree& tree)
     cells.push_back(leaf.cell);
   }
   return cells;
+}
+
+/// As deal.II's DataOut writes the cells of an octree: each of them as n^3.
+std::vector<CellId> patchesOf(const std::vector<CellId>& cells, Coord n)
+{
+  std::vector<CellId> patches;
+  for (const CellId& cell : cells)
+  {
+    for (Coord i = 0; i < n * n * n; ++i)
+    {
+      patches.push_back(
+        { { n * cell.index[0] + i % n, n * cell.index[1] + i / n % n, n * cell.index[2] + i / n / n },
+          cell.level });
+    }
+  }
+  return patches;
 }
 
 void expectRoundTrip(const std::vector<CellId>& cells, const HexahedronExport& options)
@@ -281,23 +331,13 @@ TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEvenOrLarge)
 
 TEST(FromUnstructured, SplitPatches)
 {
-  // deal.II's DataOut writes each cell of an octree as n^3 cells.
   RandomTree tree;
   tree.roots = { 2, 1, 1 };
   tree.levels = 3;
   for (const Coord n : { 2, 3, 4, 5 })
   {
-    std::vector<CellId> cells;
+    const std::vector<CellId> cells = patchesOf(cellsOf(tree), n);
     HexahedronExport options;
-    for (const CellId& cell : cellsOf(tree))
-    {
-      for (Coord i = 0; i < n * n * n; ++i)
-      {
-        cells.push_back(
-          { { n * cell.index[0] + i % n, n * cell.index[1] + i / n % n, n * cell.index[2] + i / n / n },
-            cell.level });
-      }
-    }
     for (double& size : options.rootSize)
     {
       size = 1. / static_cast<double>(n);
@@ -488,6 +528,42 @@ TEST(FromUnstructured, ArraysKeepTheirTypes)
   }
   EXPECT_NEAR(out->GetArray("hash")->GetComponent(0, 0), mean, 1e-9 * mean);
   EXPECT_EQ(out->GetArray("number")->GetComponent(0, 0), 0.);
+}
+
+TEST(FromUnstructured, CoarseCellsHaveTheMeanOfTheirChildren)
+{
+  // So many cells that several parts of them are worked on, trees and coarse cells reaching over parts.
+  for (const double missing : { 0., 0.3 })
+  {
+    RandomTree tree;
+    tree.roots = { 3, 2, 1 };
+    tree.levels = 6;
+    tree.refine = 0.8;
+    tree.missing = missing;
+    const std::vector<CellId> cells = patchesOf(cellsOf(tree), 3);
+    ASSERT_GT(cells.size(), 4u << 14);
+    HexahedronExport options;
+    options.seed = 2;
+    const Result result = convert(makeHexahedra(cells, options));
+    expectCells(result.grid, cells, options);
+    EXPECT_EQ(result.grid->HasMask(), missing > 0.);
+    vtkDataArray* const hash = result.grid->GetCellData()->GetArray("hash");
+    vtkDataArray* const number = result.grid->GetCellData()->GetArray("number");
+    int wrong = 0;
+    int coarse = 0;
+    forEachNode(result.grid, [&](vtkIdType node, const std::vector<vtkIdType>& children) {
+      double sum = 0.;
+      for (const vtkIdType child : children)
+      {
+        sum += hash->GetComponent(child, 2);
+      }
+      wrong += hash->GetComponent(node, 2) != sum / static_cast<double>(children.size());
+      wrong += number->GetComponent(node, 0) != number->GetComponent(children.front(), 0);
+      ++coarse;
+    });
+    EXPECT_EQ(wrong, 0);
+    EXPECT_GT(coarse, 10000);
+  }
 }
 
 TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)

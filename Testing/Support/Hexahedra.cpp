@@ -80,7 +80,10 @@ vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
       }
       const auto found = options.sharedPoints ? known.find(p) : known.end();
       ids[o] = found != known.end() ? found->second : points->InsertNextPoint(p.data());
-      known[p] = ids[o];
+      if (options.sharedPoints)
+      {
+        known[p] = ids[o];
+      }
     }
     std::array<vtkIdType, 8> list = ids;
     if (!options.voxels)
