@@ -20,6 +20,8 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <tuple>
+#include <utility>
 
 using namespace treeamr::test;
 
@@ -94,6 +96,57 @@ TEST(HexahedraOfWriters, P8estVtkHasTheForest)
         }
       }
       EXPECT_TRUE(grid->GetCellData()->HasArray("mpirank"));
+    }
+  }
+}
+
+// Trees in any orientation, which the forest's own file says and the hexahedra do not need to; no boxes.
+TEST(HexahedraOfWriters, P8estVtkOfOtherConnectivities)
+{
+  for (const auto& [name, isOfBoxes] : { std::pair("twowrap", true), std::pair("periodic", true),
+         std::pair("rotwrap", true), std::pair("rotcubes", false), std::pair("shell", false) })
+  {
+    SCOPED_TRACE(name);
+    ForestWriter forest = ForestWriter::named(name);
+    forest.refine([](const ForestQuadrant& q) { return q.level < 1; });
+    refineAtRandom(forest, 4, 4);
+    const auto quadrants = forest.quadrants();
+    forest.saveVtk("others", "value", std::vector<double>(quadrants.size(), 1.));
+    vtkNew<vtkXMLPUnstructuredGridReader> reader;
+    reader->SetFileName("others.pvtu");
+    vtkNew<vtkTreeAMRFromUnstructured> filter;
+    filter->SetInputConnection(reader->GetOutputPort());
+    const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
+    filter->Update();
+    auto* const grid = vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0));
+    if (!isOfBoxes)
+    {
+      ASSERT_EQ(errors.messages().size(), 1u);
+      EXPECT_NE(errors.messages()[0].find(", which reaches from ("), std::string::npos)
+        << errors.messages()[0];
+      EXPECT_EQ(grid->GetNumberOfNonEmptyTrees(), 0);
+      continue;
+    }
+    ASSERT_TRUE(errors.messages().empty()) << errors.messages()[0];
+    const std::vector<DrawnCell> found = leaves(grid, "level");
+    std::vector<DrawnCell> expected;
+    for (const ForestQuadrant& q : quadrants)
+    {
+      const auto corners = forest.bounds(q);
+      DrawnCell cell;
+      cell.value = q.level;
+      for (int a = 0; a < 3; ++a)
+      {
+        std::tie(cell.bounds[a], cell.bounds[a + 3]) = std::minmax(corners[0][a], corners[1][a]);
+      }
+      expected.push_back(cell);
+    }
+    std::ranges::sort(expected, {}, &DrawnCell::bounds);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i)
+    {
+      ASSERT_EQ(found[i].bounds, expected[i].bounds);
+      ASSERT_EQ(found[i].value, expected[i].value);
     }
   }
 }
