@@ -74,7 +74,7 @@ public:
   /// Of cells that are not left out.
   std::size_t cellCount() const noexcept { return cellCount_; }
 
-  /// Of the cells' own coordinates.
+  /// Of the cells as they are.
   BoxLattice findLattice() const
   {
     if (sizes_.sizes().empty())
@@ -83,10 +83,18 @@ public:
     }
     return BoxLattice(sizes_, rounding_);
   }
-  /// When cells do not fit that one: of shrunk cells, or throws Error.
-  BoxLattice findOtherLattice() const
+  /// Of shrunk ones, which some tell as well as all, unless the neighbours of these are missing among them. Nothing when they
+  /// are not shrunk.
+  std::optional<BoxLattice> findLatticeOfShrunk() const
   {
-    const double scale = findScale();
+    constexpr std::size_t some = 1 << 16;
+    const double scale = findScale(some);
+    return scale < 1. ? std::optional(BoxLattice(sizes_, rounding_, scale)) : std::nullopt;
+  }
+  /// When cells fit neither: of all but those that are wrong. Throws Error unless there are none.
+  BoxLattice findLatticeOfMost() const
+  {
+    const double scale = findScale(cellCount_);
     BoxLattice lattice(sizesThatFit(scale), rounding_, scale);
     if (const auto misfit = placeCells(lattice, [](std::size_t, const CellId&, const CellNumber&) {}))
     {
@@ -186,9 +194,12 @@ private:
     return misfit.found();
   }
 
-  /// By which the boxes are shrunk, for all axes; 1: not at all, or not alike.
-  double findScale() const
+  /// By which the boxes are shrunk, for all axes; 1: not at all, or not alike. By so many boxes, in runs of those that follow
+  /// each other, as neighbours often do.
+  double findScale(std::size_t wanted) const
   {
+    constexpr vtkIdType run = 64;
+    const auto step = static_cast<vtkIdType>((cellCount_ + wanted - 1) / wanted);
     const BoxSizes::Size& size = sizes_.mostFrequent();
     double least = 1.;
     double most = 0.;
@@ -198,7 +209,8 @@ private:
       forEachChunk([&](const Chunk& chunk) {
         std::vector<double>& mine = centres.local();
         forEachCell(chunk, [&](const CellNumber& number) {
-          const std::optional<AxisBox> box = boxOf(number);
+          const bool isChosen = number.cell() / run % step == 0;
+          const std::optional<AxisBox> box = isChosen ? boxOf(number) : std::nullopt;
           if (box && BoxSizes::binOf(*box) == size.bin)
           {
             mine.push_back(box->low[a] + box->width(a) / 2.);
@@ -343,8 +355,7 @@ private:
         textOf(lattice->largestWidths()) + " wide like that from " + textOf(lattice->widest().low) + " to " +
         textOf(lattice->widest().high) +
         "; allowed are cells of these widths, halves, quarters ... of all three, that begin at multiples of "
-        "their "
-        "own widths from such a cell");
+        "their own widths from such a cell");
     }
     throw Error(describe(number) +
       "; allowed are hexahedra and voxels that are boxes along the axes, in three dimensions, of finite "
@@ -396,9 +407,14 @@ void makeGrid(
       ? build<ShortKeys>(converter, lattice, blocks, arrays, grid)
       : build<MortonKeys<WideKey>>(converter, lattice, blocks, arrays, grid);
   };
-  if (!buildOn(converter.findLattice()))
+  if (buildOn(converter.findLattice()))
   {
-    buildOn(converter.findOtherLattice());
+    return;
+  }
+  const std::optional<BoxLattice> shrunk = converter.findLatticeOfShrunk();
+  if (!shrunk || !buildOn(*shrunk))
+  {
+    buildOn(converter.findLatticeOfMost());
   }
 }
 

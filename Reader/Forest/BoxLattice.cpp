@@ -2,6 +2,8 @@
 
 #include "Error.h"
 
+#include <oneapi/tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -193,7 +195,7 @@ bool fitsBeside(
 
 double distanceOfNeighbours(std::vector<double> centres, double width)
 {
-  std::ranges::sort(centres);
+  tbb::parallel_sort(centres.begin(), centres.end());
   std::vector<double> distances;
   for (std::size_t i = 1; i < centres.size(); ++i)
   {

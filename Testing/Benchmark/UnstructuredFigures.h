@@ -10,7 +10,7 @@ namespace treeamr::bench
 {
 
 /// Of hexahedra with eight points each in double, one array of double: in the forest's order, as real writers leave them,
-/// and in none. Memory is what is resident beyond input and output at most. Throws Error for a grid of other cells.
+/// in none, and shrunk as by p8est_vtk. Memory is what is resident beyond input and output at most. Throws Error for a grid of other cells.
 std::vector<Figure> unstructuredFigures(const Forest& forest);
 
 } // namespace treeamr::bench

@@ -686,6 +686,22 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
   expectIn(errorOf(withBox({ 0., 0., 0. }, { 1., 1., 1. })),
     ", and cell 9, which reaches from (0, 0, 0) to (1, 1, 1)");
 
+  // Among shrunk ones.
+  HexahedronExport shrunk;
+  shrunk.scale = 0.75;
+  const auto moved = makeHexahedra(nineCells(), shrunk);
+  for (vtkIdType p = 0; p < 8; ++p)
+  {
+    std::array<double, 3> at;
+    const vtkIdType id = moved->GetCell(6)->GetPointId(static_cast<int>(p));
+    moved->GetPoint(id, at.data());
+    at[1] += 0.125;
+    moved->GetPoints()->SetPoint(id, at.data());
+  }
+  expectIn(errorOf(moved),
+    "cell 6, which reaches from (0.0625, 0.6875, 0.5625) to (0.4375, 1.0625, 0.9375), fits no place of the "
+    "lattice of the largest cells, which are (1, 1, 1) wide like that from (1.125, 0.125, 0.125)");
+
   const auto withCell = [](int type, std::vector<vtkIdType> ids) {
     const auto grid = makeHexahedra(nineCells(), {});
     vtkNew<vtkUnstructuredGrid> other;
