@@ -18,7 +18,9 @@ namespace
 /// Of the samples, for what a frame is compared with: leaves a sixteenth of its error.
 constexpr double refinement = 4.;
 /// Below it more samples per cell hardly add to those that every block has.
-constexpr double leastConverged = 4.;
+constexpr double leastConverged = 16.;
+/// Of the light that a ray which ended had left: between nothing and all.
+constexpr double missedByEnds = 0.5;
 /// One group of pixels in so many, within limits: a few dozen estimate an error to a fifth of it.
 constexpr std::size_t groupsPerChosen = 500;
 constexpr std::size_t leastChosen = 96;
@@ -28,6 +30,17 @@ constexpr std::size_t candidatesPerChosen = 16;
 /// Added to a group's variation: even colours may be wrong.
 constexpr float litWeight = 0.02f;
 constexpr float unlitWeight = 0.001f;
+
+/// Whether a function changes within a part of the field's range that floats along a ray hardly tell.
+bool needsDoubles(const Field& field, const TransferFunction& transferFunction)
+{
+  constexpr double part = 0x1p-13;
+  const Range range = field.range();
+  const double least = part * (static_cast<double>(range.max) - range.min);
+  const auto& nodes = transferFunction.nodes();
+  return std::adjacent_find(nodes.begin(), nodes.end(),
+           [&](const auto& a, const auto& b) { return b.value - a.value < least; }) != nodes.end();
+}
 
 /// i-th member of the low-discrepancy sequence of the golden ratio in [0, 1).
 double golden(std::size_t i)
@@ -84,7 +97,8 @@ ErrorEstimator::ErrorEstimator(
     }
   }
   refine(settings.samplesPerCell);
-  error_ = errorOf(ofFrame);
+  ofSamples_ = errorOfSamples(ofFrame);
+  ofEnds_ = errorOfEnds(ofFrame);
 }
 
 void ErrorEstimator::choose(const Image& frame)
@@ -138,11 +152,12 @@ void ErrorEstimator::choose(const Image& frame)
   }
 }
 
-std::vector<float> ErrorEstimator::render(double samplesPerCell)
+std::vector<float> ErrorEstimator::render(double samplesPerCell, bool doubles)
 {
   std::vector<float> rgba(groups_.size() * PixelGroup::rgbaSize);
   VolumeSettings settings = settings_;
   settings.samplesPerCell = samplesPerCell;
+  settings.doubles = settings.doubles || doubles;
   volume_.renderGroups(view_, settings, groups_, rgba);
   return rgba;
 }
@@ -153,28 +168,47 @@ void ErrorEstimator::refine(double samplesPerCell)
     std::min(std::max(refinement * samplesPerCell, leastConverged), VolumeSettings::maxSamplesPerCell);
   if (wanted > convergedSamples_)
   {
-    converged_ = render(wanted);
+    converged_ = render(wanted, needsDoubles(volume_.field(), volume_.transferFunction()));
     convergedSamples_ = wanted;
   }
 }
 
-double ErrorEstimator::errorOf(const std::vector<float>& rgba) const noexcept
+template <class Squares>
+double ErrorEstimator::rootOfSum(const Squares& squares) const noexcept
 {
   double all = 0.;
   for (std::size_t g = 0; g < groups_.size(); ++g)
   {
-    double squares = 0.;
+    double ofGroup = 0.;
     for (std::size_t i = g * PixelGroup::rgbaSize; i < (g + 1) * PixelGroup::rgbaSize; i += 4)
     {
-      for (std::size_t c = i; c < i + 3; ++c)
-      {
-        const double difference = static_cast<double>(rgba[c]) - converged_[c];
-        squares += difference * difference;
-      }
+      ofGroup += squares(i);
     }
-    all += weights_[g] * squares;
+    all += weights_[g] * ofGroup;
   }
   return std::sqrt(all);
+}
+
+double ErrorEstimator::errorOfSamples(const std::vector<float>& rgba) const noexcept
+{
+  return rootOfSum([&](std::size_t i) {
+    double sum = 0.;
+    for (std::size_t c = i; c < i + 3; ++c)
+    {
+      const double difference = static_cast<double>(rgba[c]) - converged_[c];
+      sum += difference * difference;
+    }
+    return sum;
+  });
+}
+
+double ErrorEstimator::errorOfEnds(const std::vector<float>& rgba) const noexcept
+{
+  return rootOfSum([&](std::size_t i) {
+    const double opacity = rgba[i + 3];
+    const double missed = opacity > 1. - opaqueTransmittance ? missedByEnds * (1. - opacity) / opacity : 0.;
+    return missed * missed * (rgba[i] * rgba[i] + rgba[i + 1] * rgba[i + 1] + rgba[i + 2] * rgba[i + 2]);
+  });
 }
 
 double ErrorEstimator::findSamplesPerCell(double target, double least, double most)
@@ -184,20 +218,28 @@ double ErrorEstimator::findSamplesPerCell(double target, double least, double mo
     double samples;
     double error;
   };
+  std::vector<Try> tries;
   const auto attempt = [&](double samples) {
     refine(samples);
-    return Try{ samples, errorOf(render(samples)) };
+    tries.push_back({ samples, errorOfSamples(render(samples, false)) });
+    return tries.back();
   };
-  // Neighbouring settings on the two sides of the target.
-  Try misses{ std::clamp(settings_.samplesPerCell, least, most), error_ };
+  // What is left of the target for the samples; half of it where the ends of rays alone would miss it.
+  const double allowed = std::max(0.5 * target, std::sqrt(std::max(0., target * target - ofEnds_ * ofEnds_)));
+  // Neighbouring settings on the two sides of that.
+  Try misses{ std::clamp(settings_.samplesPerCell, least, most), ofSamples_ };
   Try meets = misses;
-  if (error_ > target)
+  tries.push_back(misses);
+  if (misses.error > allowed)
   {
-    while (meets.error > target)
+    while (meets.error > allowed)
     {
       if (meets.samples == most)
       {
-        return most;
+        // The fewest that are about as good as the best.
+        constexpr double alike = 1.1;
+        const double best = std::ranges::min(tries, {}, &Try::error).error;
+        return std::ranges::find_if(tries, [&](const Try& t) { return t.error <= alike * best; })->samples;
       }
       misses = meets;
       meets = attempt(std::min(2. * misses.samples, most));
@@ -205,7 +247,7 @@ double ErrorEstimator::findSamplesPerCell(double target, double least, double mo
   }
   else
   {
-    while (misses.error <= target)
+    while (misses.error <= allowed)
     {
       if (misses.samples == least)
       {
@@ -218,13 +260,13 @@ double ErrorEstimator::findSamplesPerCell(double target, double least, double mo
   // In between about a power of the samples, with jumps where many blocks get one sample more or are integrated in
   // another way.
   constexpr int refinements = 2;
-  for (int i = 0; i < refinements && target > 0.; ++i)
+  for (int i = 0; i < refinements && allowed > 0.; ++i)
   {
     const double part =
-      std::log(misses.error / target) / (std::log(misses.error) - std::log(std::max(meets.error, 1e-12)));
+      std::log(misses.error / allowed) / (std::log(misses.error) - std::log(std::max(meets.error, 1e-12)));
     const Try between =
       attempt(misses.samples * std::pow(meets.samples / misses.samples, std::clamp(part, 0.1, 0.9)));
-    (between.error > target ? misses : meets) = between;
+    (between.error > allowed ? misses : meets) = between;
   }
   return meets.samples;
 }
@@ -233,13 +275,21 @@ bool ErrorTarget::update(ErrorEstimator& estimator, double target)
 {
   // Room for what the estimate errs by and for other views; within it the samples stay what they are.
   constexpr double aim = 0.7;
+  constexpr double aimOfFewer = 0.75;
   constexpr double low = 0.5;
   const double before = samplesPerCell_;
   const double error = estimator.error();
-  if (error > target || error < low * target)
+  if (error > target)
   {
     samplesPerCell_ = estimator.findSamplesPerCell(aim * target, least, most);
   }
+  else if (error < low * target || target != triedTarget_)
+  {
+    // Once for each target also of a frame within the room: where samples hardly matter, far fewer may do.
+    samplesPerCell_ =
+      std::min(before, estimator.findSamplesPerCell(std::max(aimOfFewer * target, error), least, most));
+  }
+  triedTarget_ = target;
   return error > target && samplesPerCell_ > before;
 }
 
