@@ -69,8 +69,8 @@ HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
   idCount_ = cells->GetNumberOfConnectivityIds();
   if (cells->IsStorage64Bit())
   {
-    longOffsets_ = reinterpret_cast<const std::int64_t*>(pointerTo(cells->GetOffsetsArray64()));
-    longIds_ = reinterpret_cast<const std::int64_t*>(pointerTo(cells->GetConnectivityArray64()));
+    longOffsets_ = pointerTo(cells->GetOffsetsArray64());
+    longIds_ = pointerTo(cells->GetConnectivityArray64());
   }
   else
   {

@@ -91,10 +91,10 @@ private:
   const unsigned char* types_ = nullptr;
   const unsigned char* ghosts_ = nullptr;
   // Of one or the other width.
-  const std::int64_t* longOffsets_ = nullptr;
-  const std::int64_t* longIds_ = nullptr;
-  const std::int32_t* offsets_ = nullptr;
-  const std::int32_t* ids_ = nullptr;
+  const vtkTypeInt64* longOffsets_ = nullptr;
+  const vtkTypeInt64* longIds_ = nullptr;
+  const vtkTypeInt32* offsets_ = nullptr;
+  const vtkTypeInt32* ids_ = nullptr;
 };
 
 inline bool HexahedronBlock::isLeftOut(vtkIdType cell) const noexcept

@@ -99,6 +99,10 @@ vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
   {
     x->InsertNextValue(points->GetPoint(i)[0]);
   }
+  if (options.voxels)
+  {
+    grid->GetCells()->ConvertTo32BitStorage();
+  }
   grid->GetCellData()->AddArray(numbers);
   grid->GetCellData()->AddArray(hashes);
   grid->GetPointData()->AddArray(x);

@@ -20,7 +20,7 @@ struct HexahedronExport
   std::array<double, 3> rootSize{ 1., 1., 1. };
   bool sharedPoints = false;
   bool floats = false;    // coordinates are rounded to float
-  bool voxels = false;    // else hexahedra whose corners begin anywhere
+  bool voxels = false;    // of ids of 32 bits; else hexahedra whose corners begin anywhere
   double scale = 1.;      // shrunk about the centres
   std::uint32_t seed = 0; // of the order of cells; 0: as they come
   int duplicates = 0;     // cells that come twice
