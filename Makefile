@@ -42,7 +42,7 @@ demo: configure
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py $(BUILD)/demo/mandelbulb.p8est
 
 check: build
-	$(XVFB) ctest --test-dir $(BUILD) --output-on-failure --no-tests=error
+	$(XVFB) ctest --test-dir $(BUILD) --parallel 2 --output-on-failure --no-tests=error
 
 check-sanitizers: setup
 	for sanitizer in asan tsan; do \

@@ -50,6 +50,8 @@ struct Places
   Reals<Real> at;
   Reals<Real> row; // whole numbers
   Reals<Real> term[4];
+  Reals<Real> inRow;    // from where the row begins
+  Reals<Real> ofRow[4]; // the terms' integrals from there
 };
 
 template <class Real>
@@ -101,12 +103,14 @@ HWY_INLINE Places<Real> findPlaces(const IntegralTable& table, Reals<Real> at)
   places.at = at;
   places.row = findRows<Real>(table, at);
   const Ints<Real> row = truncated<Real>(places.row);
-  const Reals<Real> inRow = hn::Sub(at, gather<Real>(table.places(), row));
+  places.inRow = hn::Sub(at, gather<Real>(table.places(), row));
+  const Reals<Real> halfInRow = hn::Mul(places.inRow, half<Real>());
   const Ints<Real> index = hn::Mul(row, hn::Set(di, rowSize));
   for (int c = 0; c < 4; ++c)
   {
-    places.term[c] = mulAdd(
-      gather<Real>(table.rows()[0].slope + c, index), inRow, gather<Real>(table.rows()[0].own + c, index));
+    const Reals<Real> own = gather<Real>(table.rows()[0].own + c, index);
+    places.term[c] = mulAdd(gather<Real>(table.rows()[0].slope + c, index), places.inRow, own);
+    places.ofRow[c] = hn::Mul(halfInRow, hn::Add(places.term[c], own));
   }
   return places;
 }
@@ -115,7 +119,6 @@ HWY_INLINE Places<Real> findPlaces(const IntegralTable& table, Reals<Real> at)
 template <class Real>
 struct Sums
 {
-  Reals<Real> inRow; // where the places are
   Reals<Real> sum[4];
   Reals<Real> rest[4];
 };
@@ -124,16 +127,12 @@ template <class Real>
 HWY_INLINE Sums<Real> findSums(const IntegralTable& table, const Places<Real>& places)
 {
   const IntTag<Real> di;
-  const Ints<Real> row = truncated<Real>(places.row);
+  const Ints<Real> index = hn::Mul(truncated<Real>(places.row), hn::Set(di, rowSize));
   Sums<Real> sums;
-  sums.inRow = hn::Sub(places.at, gather<Real>(table.places(), row));
-  const Reals<Real> halfInRow = hn::Mul(sums.inRow, half<Real>());
-  const Ints<Real> index = hn::Mul(row, hn::Set(di, rowSize));
   for (int c = 0; c < 4; ++c)
   {
     sums.sum[c] = gather<Real>(table.rows()[0].sum + c, index);
-    sums.rest[c] = mulAdd(halfInRow, hn::Add(places.term[c], gather<Real>(table.rows()[0].own + c, index)),
-      gather<Real>(table.rows()[0].rest + c, index));
+    sums.rest[c] = hn::Add(places.ofRow[c], gather<Real>(table.rows()[0].rest + c, index));
   }
   return sums;
 }
@@ -184,24 +183,20 @@ HWY_NOINLINE void meanOfNarrow(const IntegralTable& table, const Places<Real>& a
   }
 }
 
-/// The same where rows may differ.
+/// The same where rows may differ. integral: of what lies between; least: rises whose integrals have digits.
 template <class Real>
-HWY_INLINE void meanBySums(const IntegralTable& table, const Places<Real>& a, const Sums<Real>& sumsOfA,
-  const Places<Real>& b, const Sums<Real>& sumsOfB, Reals<Real> (&mean)[4])
+HWY_INLINE void meanByIntegral(const IntegralTable& table, const Places<Real>& a, const Places<Real>& b,
+  const Reals<Real> (&integral)[4], Reals<Real> least, Reals<Real> (&mean)[4])
 {
   const RealTag<Real> d;
   const Reals<Real> rise = hn::Sub(b.at, a.at);
-  constexpr Real narrow = std::is_same_v<Real, float> ? 0x1p-12 : 0x1p-24;
-  const Reals<Real> least = hn::Mul(hn::Max(sumsOfA.inRow, sumsOfB.inRow), hn::Set(d, narrow));
   const Mask<Real> crosses = hn::Ne(a.row, b.row);
   const Mask<Real> isWide = hn::And(crosses, hn::Gt(hn::Abs(rise), least));
   const Reals<Real> perPlace =
     hn::Div(hn::Set(d, Real(1)), hn::IfThenElse(isWide, rise, hn::Set(d, Real(1))));
   for (int c = 0; c < 4; ++c)
   {
-    const Reals<Real> integral =
-      hn::Add(hn::Sub(sumsOfB.sum[c], sumsOfA.sum[c]), hn::Sub(sumsOfB.rest[c], sumsOfA.rest[c]));
-    mean[c] = hn::IfThenElse(isWide, hn::Mul(integral, perPlace), mean[c]);
+    mean[c] = hn::IfThenElse(isWide, hn::Mul(integral[c], perPlace), mean[c]);
   }
   const Mask<Real> isNarrow = hn::AndNot(isWide, crosses);
   if (!hn::AllFalse(d, isNarrow))
@@ -209,6 +204,39 @@ HWY_INLINE void meanBySums(const IntegralTable& table, const Places<Real>& a, co
     meanOfNarrow<Real>(table, a, b, isNarrow, mean);
   }
   mean[3] = hn::ZeroIfNegative(mean[3]); // rounding
+}
+
+template <class Real>
+constexpr Real narrowest = std::is_same_v<Real, float> ? 0x1p-12 : 0x1p-24;
+
+template <class Real>
+HWY_INLINE void meanByIntegrals(const IntegralTable& table, const Places<Real>& a, const Sums<Real>& sumsOfA,
+  const Places<Real>& b, const Sums<Real>& sumsOfB, Reals<Real> (&mean)[4])
+{
+  Reals<Real> integral[4];
+  for (int c = 0; c < 4; ++c)
+  {
+    integral[c] = hn::Add(hn::Sub(sumsOfB.sum[c], sumsOfA.sum[c]), hn::Sub(sumsOfB.rest[c], sumsOfA.rest[c]));
+  }
+  const Reals<Real> least = hn::Mul(hn::Max(a.inRow, b.inRow), hn::Set(RealTag<Real>(), narrowest<Real>));
+  meanByIntegral<Real>(table, a, b, integral, least, mean);
+}
+
+/// The third from the first two.
+template <class Real>
+HWY_INLINE void meanOfHalves(const IntegralTable& table, const Places<Real>& begin,
+  const Places<Real>& middle, const Places<Real>& end, Reals<Real> (&mean)[3][4])
+{
+  const Reals<Real> first = hn::Sub(middle.at, begin.at);
+  const Reals<Real> second = hn::Sub(end.at, middle.at);
+  Reals<Real> integral[4];
+  for (int c = 0; c < 4; ++c)
+  {
+    integral[c] = mulAdd(first, mean[0][c], hn::Mul(second, mean[1][c]));
+  }
+  const Reals<Real> least =
+    hn::Mul(hn::Max(hn::Abs(first), hn::Abs(second)), hn::Set(RealTag<Real>(), narrowest<Real>));
+  meanByIntegral<Real>(table, begin, end, integral, least, mean[2]);
 }
 
 /// Light that a step adds: red, green, blue, and what it holds back of the light.
@@ -284,11 +312,11 @@ HWY_INLINE Reals<Real> colorChange(const IntegralTable& table, const Places<Real
 }
 
 /// Where in a step the field turns beyond all rows of three of its places, so that none of them tells what the function
-/// does there: the first such part of the way, or 1. In an octant the field is a cubic, known from four places: at both
-/// ends, in the middle and at a quarter of the way.
+/// does there: the first such part of the way, or 1, as where it is not asked for. In an octant the field is a cubic,
+/// known from four places: at both ends, in the middle and at a quarter of the way.
 template <class Real>
 HWY_INLINE Reals<Real> turningPoint(const IntegralTable& table, const Places<Real>& begin,
-  Reals<Real> quarter, const Places<Real>& middle, const Places<Real>& end)
+  Reals<Real> quarter, const Places<Real>& middle, const Places<Real>& end, Mask<Real> asked)
 {
   const RealTag<Real> d;
   const auto times = [d](Real factor, Reals<Real> v) { return hn::Mul(hn::Set(d, factor), v); };
@@ -312,7 +340,7 @@ HWY_INLINE Reals<Real> turningPoint(const IntegralTable& table, const Places<Rea
   {
     // Of the ends themselves nothing new is known. NaN is no place.
     constexpr Real least = 0.01;
-    const Mask<Real> isInside = hn::And(hn::Ge(squared, hn::Zero(d)),
+    const Mask<Real> isInside = hn::And(hn::And(asked, hn::Ge(squared, hn::Zero(d))),
       hn::And(hn::Gt(root, hn::Set(d, least)), hn::Lt(root, hn::Set(d, 1 - least))));
     if (hn::AllFalse(d, isInside))
     {
@@ -345,6 +373,9 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
   const Reals<Real> starts[1] = { zero };
   sample(span, starts, values, toTable, lattice, start);
   Places<Real> before = findPlaces<Real>(table, start[0]);
+  Sums<Real> sumsBefore;
+  Sums<Real> sumsAfter;
+  bool hasSums = false; // of `before`
   const ToFaces<Real> toFaces(span);
   const Reals<Real> tableBegin = hn::Set(d, Real(table.index().first));
   const Reals<Real> tableEnd = hn::Set(d, Real(table.index().last));
@@ -361,9 +392,8 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     ++steps;
     const Reals<Real> size = hn::Min(hn::Min(wanted, toFaces(at)), hn::Sub(span.samples, at));
     const Reals<Real> halfSize = hn::Mul(size, half<Real>());
-    const Reals<Real> ends[3] = { hn::Add(at, halfSize), hn::Add(at, size),
-      mulAdd(size, hn::Set(d, Real(0.25)), at) };
-    Reals<Real> position[3];
+    const Reals<Real> ends[2] = { hn::Add(at, halfSize), hn::Add(at, size) };
+    Reals<Real> position[2];
     sample(span, ends, values, toTable, lattice, position);
     const Places<Real> middle = findPlaces<Real>(table, position[0]);
     const Places<Real> after = findPlaces<Real>(table, position[1]);
@@ -371,12 +401,19 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     meanByEnds(before, middle, mean[0]);
     meanByEnds(middle, after, mean[1]);
     meanByEnds(before, after, mean[2]);
-    if (!hn::AllTrue(d, hn::And(hn::Eq(before.row, middle.row), hn::Eq(middle.row, after.row))))
+    const bool crossRows =
+      !hn::AllTrue(d, hn::And(hn::Eq(before.row, middle.row), hn::Eq(middle.row, after.row)));
+    if (crossRows)
     {
-      const Sums<Real> sums[3] = { findSums(table, before), findSums(table, middle), findSums(table, after) };
-      meanBySums(table, before, sums[0], middle, sums[1], mean[0]);
-      meanBySums(table, middle, sums[1], after, sums[2], mean[1]);
-      meanBySums(table, before, sums[0], after, sums[2], mean[2]);
+      if (!hasSums)
+      {
+        sumsBefore = findSums(table, before);
+      }
+      const Sums<Real> sumsInMiddle = findSums(table, middle);
+      sumsAfter = findSums(table, after);
+      meanByIntegrals<Real>(table, before, sumsBefore, middle, sumsInMiddle, mean[0]);
+      meanByIntegrals<Real>(table, middle, sumsInMiddle, after, sumsAfter, mean[1]);
+      meanOfHalves<Real>(table, before, middle, after, mean);
     }
     const Reals<Real> halfDepth = hn::Mul(halfSize, depthPerSample);
     const Emission<Real> first = emission<Real>(mean[0], halfDepth, light.transmittance);
@@ -411,9 +448,17 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     const Reals<Real> behind = hn::Min(before.at, after.at);
     const Mask<Real> isWide = hn::And(
       hn::Gt(hn::Sub(ahead, behind), widest), hn::And(hn::Gt(ahead, tableBegin), hn::Lt(behind, tableEnd)));
-    const Reals<Real> turn = turningPoint<Real>(table, before, position[2], middle, after);
+    const Mask<Real> agrees =
+      hn::And(active, hn::AndNot(hn::Or(grows, isWide), hn::Le(error, hn::Set(d, tolerance))));
+    Reals<Real> turn = one;
+    if (!hn::AllFalse(d, agrees))
+    {
+      const Reals<Real> quarters[1] = { mulAdd(size, hn::Set(d, Real(0.25)), at) };
+      Reals<Real> quarter[1];
+      sample(span, quarters, values, toTable, lattice, quarter);
+      turn = turningPoint<Real>(table, before, quarter[0], middle, after, agrees);
+    }
     const Mask<Real> goesOn = hn::Eq(turn, one);
-    const Mask<Real> agrees = hn::AndNot(hn::Or(grows, isWide), hn::Le(error, hn::Set(d, tolerance)));
     // Shorter steps would not lead anywhere: a place far along the way has no digits for them.
     const Reals<Real> shortest =
       hn::Max(hn::Set(d, Real(shortestStep)), hn::Mul(at, hn::Set(d, Real(0x1p-20))));
@@ -426,9 +471,20 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     light.transmittance = hn::Sub(light.transmittance, hn::IfThenElseZero(taken, both[3]));
     before.at = hn::IfThenElse(taken, after.at, before.at);
     before.row = hn::IfThenElse(taken, after.row, before.row);
+    before.inRow = hn::IfThenElse(taken, after.inRow, before.inRow);
     for (int c = 0; c < 4; ++c)
     {
       before.term[c] = hn::IfThenElse(taken, after.term[c], before.term[c]);
+      before.ofRow[c] = hn::IfThenElse(taken, after.ofRow[c], before.ofRow[c]);
+    }
+    hasSums = crossRows;
+    if (crossRows)
+    {
+      for (int c = 0; c < 4; ++c)
+      {
+        sumsBefore.sum[c] = hn::IfThenElse(taken, sumsAfter.sum[c], sumsBefore.sum[c]);
+        sumsBefore.rest[c] = hn::IfThenElse(taken, sumsAfter.rest[c], sumsBefore.rest[c]);
+      }
     }
     at = hn::IfThenElse(taken, ends[1], at);
     const Reals<Real> shorter = hn::Max(hn::IfThenElse(goesOn, halfSize, hn::Mul(turn, size)), shortest);
