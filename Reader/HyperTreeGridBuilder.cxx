@@ -120,6 +120,7 @@ void HyperTreeGridBuilder::startTree(std::int32_t tree)
   grid_->GetIndexFromLevelZeroCoordinates(index, place[0], place[1], place[2]);
   tree_ = grid_->GetTree(index, true);
   tree_->SetGlobalIndexStart(treeStarts_[tree]);
+  orientation_ = lattice_.orientation(tree);
   level_ = 0;
   node_[0] = 0;
   index_[0] = {};
@@ -165,7 +166,8 @@ void HyperTreeGridBuilder::subdivide()
   }
   tree_->SubdivideLeaf(node_[level_], static_cast<unsigned int>(level_));
   filled_[level_] = 0;
-  node_[level_ + 1] = firstChild_[level_];
+  child_[level_ + 1] = 0;
+  node_[level_ + 1] = firstChild_[level_] + orientation_[0];
   for (int a = 0; a < 3; ++a)
   {
     index_[level_ + 1][a] = 2 * index_[level_][a];
@@ -195,11 +197,12 @@ void HyperTreeGridBuilder::goOn(bool hasCell)
 {
   while (level_ > 0)
   {
-    const auto child = static_cast<int>(node_[level_] - firstChild_[level_ - 1]);
-    filled_[level_ - 1] |= static_cast<unsigned>(hasCell) << child;
+    const int child = child_[level_];
+    filled_[level_ - 1] |= static_cast<unsigned>(hasCell) << orientation_[child];
     if (child < 7)
     {
-      ++node_[level_];
+      child_[level_] = child + 1;
+      node_[level_] = firstChild_[level_ - 1] + orientation_[child + 1];
       for (int a = 0; a < 3; ++a)
       {
         index_[level_][a] ^= static_cast<std::uint32_t>(sideOf(child ^ (child + 1), a));

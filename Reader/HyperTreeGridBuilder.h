@@ -1,6 +1,6 @@
 // A vtkHyperTreeGrid from the leaves of a forest of octrees, whatever they were read from.
 //
-// Leaves come tree by tree, in Morton order (x fastest), which is the depth-first order: the path from the root to the
+// Leaves come tree by tree, in Morton order of the tree's own axes (the first one fastest), which is a depth-first order: the path from the root to the
 // current place is all that is kept, and an inner node gets its values when its eighth child is complete. Where no leaf
 // comes, the coarsest cells that hold none are masked. The number of nodes must be known beforehand, so that arrays
 // are allocated once: of a tree that has leaves everywhere it is one for each leaf and one for each seven, of others
@@ -110,6 +110,8 @@ private:
   bool complete_ = true; // the current tree
   // The path from the root to where the next leaf begins.
   int level_ = 0;
+  TreeOrientation orientation_ = alongAxes;
+  std::array<int, maxLevel + 1> child_{};            // by level, its number in the order of leaves
   std::array<vtkIdType, maxLevel + 1> node_{};       // by level
   std::array<vtkIdType, maxLevel + 1> firstChild_{}; // of the node of a level
   std::array<unsigned, maxLevel + 1> filled_{};      // mask of its children that have cells below

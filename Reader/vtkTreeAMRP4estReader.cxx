@@ -46,6 +46,17 @@ std::vector<std::uint64_t> NodeCounts(const P4estForestFile& file)
   return counts;
 }
 
+// What the user should know of where the trees are.
+std::string RemarkOnPlaces(const P4estForestFile& file, const treeamr::UnitBoxes& boxes)
+{
+  const treeamr::UnitBoxes unsaid;
+  return file.connectivity().vertices.empty() && boxes.origin == unsaid.origin &&
+      boxes.spacing == unsaid.spacing
+    ? "it says how its trees are joined but not where they are, so that they are unit cubes: set Origin and "
+      "Spacing to where the first one begins and how wide each is. "
+    : "";
+}
+
 // A layout that fits the size, to show what the property wants.
 std::string ExamplePayload(std::size_t size)
 {
@@ -166,6 +177,9 @@ void vtkTreeAMRP4estReader::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n"
      << indent << "Payload: " << (this->Payload ? this->Payload : "(none)") << "\n"
+     << indent << "Origin: " << this->Origin[0] << ", " << this->Origin[1] << ", " << this->Origin[2] << "\n"
+     << indent << "Spacing: " << this->Spacing[0] << ", " << this->Spacing[1] << ", " << this->Spacing[2]
+     << "\n"
      << indent << "GenerateLevel: " << this->GenerateLevel << "\n"
      << indent << "CellDataArraySelection:\n";
   this->CellDataArraySelection->PrintSelf(os, indent.GetNextIndent());
@@ -335,12 +349,15 @@ int vtkTreeAMRP4estReader::RequestData(
 void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
 {
   const P4estForestFile file(this->FileName);
-  const treeamr::TreeLattice lattice = treeamr::p4estTreeLattice(file);
+  treeamr::UnitBoxes boxes;
+  std::copy_n(this->Origin, 3, boxes.origin.begin());
+  std::copy_n(this->Spacing, 3, boxes.spacing.begin());
+  const treeamr::TreeLattice lattice = treeamr::p4estTreeLattice(file, boxes);
   treeamr::HyperTreeGridBuilder builder(grid, lattice, NodeCounts(file), file.path());
   const vtkIdType nodes = builder.nodeCount();
 
   const PayloadReading payload = ReadPayload(file, this->Payload ? this->Payload : "");
-  this->Remark(file.path(), payload.remark);
+  this->Remark(file.path(), RemarkOnPlaces(file, boxes) + payload.remark);
 
   const std::vector<std::string> names = ArrayNames(payload.fields, this->GenerateLevel);
   this->WarnOfUnknownArrays(file.path(), names);

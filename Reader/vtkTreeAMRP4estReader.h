@@ -3,8 +3,9 @@
  * @brief   reads forests saved by p8est_save into a vtkHyperTreeGrid
  *
  * One hyper tree per tree of the forest, branch factor 2, one vertex per quadrant and ancestor. The trees
- * must be axis-aligned boxes in identity orientation on one rectilinear lattice, such as unit cube and brick
- * connectivities; places of the lattice without a tree stay empty.
+ * must be axis-aligned boxes on one rectilinear lattice, such as unit cube and brick connectivities, turned or reflected
+ * in any way; places of the lattice without a tree stay empty. Where the file says how trees are joined but not where they
+ * are, as deal.II's do, they are laid out as equal boxes, from Origin and Spacing wide.
  *
  * The file stores each quadrant's payload as bytes without types or names: set Payload to the members of the
  * struct that the program kept in its quadrants, for example `double rho; double velocity[3]`
@@ -58,6 +59,17 @@ public:
 
   ///@{
   /**
+   * Where the first box of a forest without vertices begins, and how wide each is; (0, 0, 0) and (1, 1, 1) by default. Not
+   * used for others. A spacing that is not positive is an error.
+   */
+  vtkSetVector3Macro(Origin, double);
+  vtkGetVector3Macro(Origin, double);
+  vtkSetVector3Macro(Spacing, double);
+  vtkGetVector3Macro(Spacing, double);
+  ///@}
+
+  ///@{
+  /**
    * Whether there are the arrays `level` (unsigned char) and `treeid` (int). Off by default; they are there
    * anyway when no payload is read.
    */
@@ -96,6 +108,8 @@ protected:
 
   char* FileName = nullptr;
   char* Payload = nullptr;
+  double Origin[3] = { 0., 0., 0. };
+  double Spacing[3] = { 1., 1., 1. };
   bool GenerateLevel = false;
 
 private:

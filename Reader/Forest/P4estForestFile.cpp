@@ -193,8 +193,22 @@ P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeade
   {
     file.checkTable<std::int32_t>(8 * header.trees, -1, corners, "tree_to_corner");
   }
-  file.checkTable<std::int32_t>(6 * header.trees, 0, trees, "tree_to_tree");
-  file.checkTable<std::int8_t>(6 * header.trees, 0, 24, "tree_to_face"); // 6 faces in 4 orientations
+  if (vertices > 0)
+  {
+    file.checkTable<std::int32_t>(6 * header.trees, 0, trees, "tree_to_tree");
+    file.checkTable<std::int8_t>(6 * header.trees, 0, 24, "tree_to_face"); // 6 faces in 4 orientations
+  }
+  else
+  {
+    connectivity.neighbours.resize(header.trees);
+    file.checkTable<std::int32_t>(6 * header.trees, 0, trees, "tree_to_tree",
+      [&](std::uint64_t i, std::int32_t tree) { connectivity.neighbours[i / 6][i % 6].tree = tree; });
+    file.checkTable<std::int8_t>(
+      6 * header.trees, 0, 24, "tree_to_face", [&](std::uint64_t i, std::int8_t face) {
+        connectivity.neighbours[i / 6][i % 6].face = face % 6;
+        connectivity.neighbours[i / 6][i % 6].orientation = face / 6;
+      });
+  }
   file.seek(file.position() + header.trees * header.attributeBytes);
   file.checkOffsets(header.edges, header.edgeEntries, "ett_offset");
   if (edges > 0)

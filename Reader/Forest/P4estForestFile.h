@@ -36,6 +36,16 @@ struct P4estConnectivity
   std::vector<std::array<double, 3>> vertices;
   /// The eight corners of each tree, x fastest; none without vertices.
   std::vector<std::array<std::int32_t, 8>> treeVertices;
+  /// What is beyond a face of a tree: a face of another one, or itself at a boundary.
+  struct Neighbour
+  {
+    std::int32_t tree;
+    std::int8_t face;
+    /// Face corner 0 of the face of the lower number is at this face corner of the other (p4est_connectivity.h).
+    std::int8_t orientation;
+  };
+  /// Of the faces -x, +x, -y, +y, -z, +z of each tree; none with vertices.
+  std::vector<std::array<Neighbour, 6>> neighbours;
 };
 
 class P4estForestFile

@@ -86,15 +86,23 @@ public:
   }
 
   /// Reads a table of indices and checks that each lies in [min, end).
+  template <class T, class Keep>
+  void checkTable(
+    std::uint64_t count, std::int64_t min, std::int64_t end, std::string_view section, const Keep& keep)
+  {
+    readEach<T>(count, section, [&](std::uint64_t i, T value) {
+      if (value < min || value >= end)
+      {
+        fail("connectivity, ", section, ", entry ", i, ": ", std::int64_t(value), ", allowed ", min, "..",
+          end - 1);
+      }
+      keep(i, value);
+    });
+  }
   template <class T>
   void checkTable(std::uint64_t count, std::int64_t min, std::int64_t end, std::string_view section)
   {
-    readEach<T>(count, section, [&](std::uint64_t i, std::int64_t value) {
-      if (value < min || value >= end)
-      {
-        fail("connectivity, ", section, ", entry ", i, ": ", value, ", allowed ", min, "..", end - 1);
-      }
-    });
+    checkTable<T>(count, min, end, section, [](std::uint64_t, T) {});
   }
 
   /// Reads the offsets of `items` into a table of `entries`: from 0 up to `entries`, never down.

@@ -1,6 +1,7 @@
 #include "Forest/P4estTreeLattice.h"
 
 #include "Error.h"
+#include "Forest/P4estTreeLayout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@ namespace
 
 using Point = std::array<double, 3>;
 
-/// Corner 0 is at the minimum of all axes, corner 7 at the maximum.
+/// Corner 0 is at the minimum of all of the tree's own axes, corner 7 at the maximum.
 Point corner(const P4estForestFile& file, std::int32_t tree, int corner)
 {
   return file.connectivity().vertices[file.connectivity().treeVertices[tree][corner]];
@@ -31,6 +32,37 @@ template <class... Parts>
   throw Error(message.str());
 }
 
+/// One tree a place; and vtkHyperTreeGrid multiplies the numbers of places in 32 bits.
+void checkPlaces(const P4estForestFile& file, const std::array<std::vector<double>, 3>& planes,
+  const std::vector<std::array<int, 3>>& places)
+{
+  std::array<std::uint64_t, 3> cells;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    cells[axis] = planes[axis].size() - 1;
+  }
+  constexpr std::uint64_t maxPlaces = std::numeric_limits<std::uint32_t>::max();
+  if (cells[0] * cells[1] > maxPlaces || cells[0] * cells[1] * cells[2] > maxPlaces)
+  {
+    fail(file, "a lattice of ", cells[0], " x ", cells[1], " x ", cells[2], " trees, allowed ", maxPlaces,
+      " places");
+  }
+  std::vector<std::pair<std::uint64_t, std::int32_t>> taken(places.size());
+  for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
+  {
+    const std::array<int, 3>& p = places[tree];
+    taken[tree] = { p[0] + cells[0] * (p[1] + cells[1] * p[2]), tree };
+  }
+  std::ranges::sort(taken);
+  const auto twice =
+    std::ranges::adjacent_find(taken, [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (twice != taken.end())
+  {
+    fail(
+      file, "tree ", twice[1].second, ": at the place of tree ", twice[0].second, ", allowed one of its own");
+  }
+}
+
 class LatticeFinder
 {
 public:
@@ -38,10 +70,6 @@ public:
     : file_(file)
     , places_(file.treeCount())
   {
-    if (file.connectivity().vertices.empty())
-    {
-      fail(file, "the connectivity has no vertices, allowed one whose vertices say where the trees are");
-    }
     findTolerances();
     for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
     {
@@ -51,21 +79,39 @@ public:
     {
       findPlanes(axis);
     }
-    checkPlaces();
+    checkPlaces(file, planes_, places_);
   }
-  TreeLattice take() { return { std::move(planes_), std::move(places_) }; }
+  TreeLattice take() { return { std::move(planes_), std::move(places_), std::move(orientations_) }; }
 
 private:
   void findTolerances();
-  void checkBox(std::int32_t tree) const;
+  void checkBox(std::int32_t tree);
   void findPlanes(int axis);
-  void checkPlaces() const;
+  /// The least and the largest coordinate of a tree.
+  std::array<double, 2> extent(std::int32_t tree, int axis) const;
 
   const P4estForestFile& file_;
   Point tolerances_{}; // coordinates that differ by less are the same plane
   std::array<std::vector<double>, 3> planes_;
-  std::vector<std::array<int, 3>> places_; // of each tree
+  std::vector<std::array<int, 3>> places_;    // of each tree
+  std::vector<TreeOrientation> orientations_; // none while all are along the axes
 };
+
+std::array<double, 2> LatticeFinder::extent(std::int32_t tree, int axis) const
+{
+  std::array<double, 2> extent{ std::numeric_limits<double>::infinity(),
+    -std::numeric_limits<double>::infinity() };
+  for (int c = 0; c < 8; ++c)
+  {
+    const double coordinate = corner(file_, tree, c)[axis];
+    if (std::isnan(coordinate))
+    {
+      return { coordinate, coordinate };
+    }
+    extent = { std::min(extent[0], coordinate), std::max(extent[1], coordinate) };
+  }
+  return extent;
+}
 
 /// Below the width of the finest quadrant of any p4est a difference shows in no cell; and vertices are the
 /// results of a few operations, each of which rounds.
@@ -78,12 +124,11 @@ void LatticeFinder::findTolerances()
     double magnitude = 0.;
     for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
     {
-      const double min = corner(file_, tree, 0)[axis];
-      const double max = corner(file_, tree, 7)[axis];
+      const auto [min, max] = extent(tree, axis);
       if (!std::isfinite(min) || !std::isfinite(max) || min >= max)
       {
         fail(file_, "tree ", tree, ": from ", min, " to ", max, " along ", "xyz"[axis],
-          ", allowed an axis-aligned box in identity orientation");
+          ", allowed an axis-aligned box");
       }
       edge = std::min(edge, max - min);
       magnitude = std::max({ magnitude, std::abs(min), std::abs(max) });
@@ -93,22 +138,37 @@ void LatticeFinder::findTolerances()
   }
 }
 
-void LatticeFinder::checkBox(std::int32_t tree) const
+void LatticeFinder::checkBox(std::int32_t tree)
 {
-  const std::array<Point, 2> box = { corner(file_, tree, 0), corner(file_, tree, 7) };
-  for (int c = 1; c < 7; ++c)
+  std::array<std::array<double, 2>, 3> box;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    box[axis] = extent(tree, axis);
+  }
+  TreeOrientation orientation{};
+  for (int c = 0; c < 8; ++c)
   {
     const Point found = corner(file_, tree, c);
-    const Point allowed = { box[c & 1][0], box[c >> 1 & 1][1], box[c >> 2][2] };
     for (int axis = 0; axis < 3; ++axis)
     {
-      if (!(std::abs(found[axis] - allowed[axis]) <= tolerances_[axis]))
+      const bool isUpper = found[axis] - box[axis][0] > box[axis][1] - found[axis];
+      orientation[c] |= static_cast<std::uint8_t>(isUpper << axis);
+      if (!(std::abs(found[axis] - box[axis][isUpper]) <= tolerances_[axis]))
       {
-        fail(file_, "tree ", tree, ": corner ", c, " at (", found[0], ", ", found[1], ", ", found[2],
-          "), allowed (", allowed[0], ", ", allowed[1], ", ", allowed[2],
-          "): an axis-aligned box in identity orientation");
+        fail(file_, "tree ", tree, ": corner ", c, " at (", found[0], ", ", found[1], ", ", found[2], "), ",
+          "xyz"[axis], " allowed ", box[axis][0], " or ", box[axis][1], ": an axis-aligned box");
       }
     }
+  }
+  if (!isOrientation(orientation))
+  {
+    fail(file_, "tree ", tree,
+      ": its corners are those of a box in another order, allowed orders by a turn or a reflection");
+  }
+  if (orientation != alongAxes || !orientations_.empty())
+  {
+    orientations_.resize(places_.size(), alongAxes);
+    orientations_[tree] = orientation;
   }
 }
 
@@ -118,8 +178,9 @@ void LatticeFinder::findPlanes(int axis)
   planes.reserve(2 * places_.size());
   for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
   {
-    planes.push_back(corner(file_, tree, 0)[axis]);
-    planes.push_back(corner(file_, tree, 7)[axis]);
+    const auto [min, max] = extent(tree, axis);
+    planes.push_back(min);
+    planes.push_back(max);
   }
   std::ranges::sort(planes);
   // The first of equal ones stays; std::unique compares with the one that stayed.
@@ -131,8 +192,7 @@ void LatticeFinder::findPlanes(int axis)
   };
   for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
   {
-    const double min = corner(file_, tree, 0)[axis];
-    const double max = corner(file_, tree, 7)[axis];
+    const auto [min, max] = extent(tree, axis);
     places_[tree][axis] = planeOf(min);
     if (planeOf(max) != planeOf(min) + 1)
     {
@@ -142,41 +202,38 @@ void LatticeFinder::findPlanes(int axis)
   }
 }
 
-/// One tree a place; and vtkHyperTreeGrid multiplies the numbers of places in 32 bits.
-void LatticeFinder::checkPlaces() const
+TreeLattice latticeOfBoxes(const P4estForestFile& file, const UnitBoxes& boxes)
 {
-  std::array<std::uint64_t, 3> cells;
+  TreeLayout layout = layOutTrees(file);
+  std::array<std::vector<double>, 3> planes;
   for (int axis = 0; axis < 3; ++axis)
   {
-    cells[axis] = planes_[axis].size() - 1;
+    const double spacing = boxes.spacing[axis];
+    const double origin = boxes.origin[axis];
+    if (!(spacing > 0.) || !std::isfinite(spacing) || !std::isfinite(origin))
+    {
+      fail(file, "trees without vertices along ", "xyz"[axis], " from ", origin, ", each ", spacing,
+        " wide, allowed a finite origin and a positive spacing");
+    }
+    for (int i = 0; i <= layout.size[axis]; ++i)
+    {
+      planes[axis].push_back(origin + i * spacing);
+      if (i > 0 && !(planes[axis][i] > planes[axis][i - 1]))
+      {
+        fail(file, "trees without vertices along ", "xyz"[axis], " from ", origin, ", each ", spacing,
+          " wide, allowed widths that double can tell from the origin");
+      }
+    }
   }
-  constexpr std::uint64_t maxPlaces = std::numeric_limits<std::uint32_t>::max();
-  if (cells[0] * cells[1] > maxPlaces || cells[0] * cells[1] * cells[2] > maxPlaces)
-  {
-    fail(file_, "a lattice of ", cells[0], " x ", cells[1], " x ", cells[2], " trees, allowed ", maxPlaces,
-      " places");
-  }
-  std::vector<std::pair<std::uint64_t, std::int32_t>> taken(places_.size());
-  for (std::int32_t tree = 0; tree < file_.treeCount(); ++tree)
-  {
-    const std::array<int, 3>& p = places_[tree];
-    taken[tree] = { p[0] + cells[0] * (p[1] + cells[1] * p[2]), tree };
-  }
-  std::ranges::sort(taken);
-  const auto twice =
-    std::ranges::adjacent_find(taken, [](const auto& a, const auto& b) { return a.first == b.first; });
-  if (twice != taken.end())
-  {
-    fail(file_, "tree ", twice[1].second, ": at the place of tree ", twice[0].second,
-      ", allowed one of its own");
-  }
+  checkPlaces(file, planes, layout.places);
+  return { std::move(planes), std::move(layout.places), std::move(layout.orientations) };
 }
 
 } // namespace
 
-TreeLattice p4estTreeLattice(const P4estForestFile& file)
+TreeLattice p4estTreeLattice(const P4estForestFile& file, const UnitBoxes& boxes)
 {
-  return LatticeFinder(file).take();
+  return file.connectivity().vertices.empty() ? latticeOfBoxes(file, boxes) : LatticeFinder(file).take();
 }
 
 } // namespace treeamr

@@ -33,6 +33,13 @@ bool isStraight(const double* midpointAndSharpness)
   return midpointAndSharpness[0] == 0.5 && midpointAndSharpness[1] == 0.;
 }
 
+/// The value, or one of those below all nodes that have a logarithm.
+template <class Nodes>
+double withLogarithm(double value, bool isLogarithmic, const Nodes& nodes)
+{
+  return isLogarithmic && !(value > 0.) ? 0.5 * nodes.front()[0] : value;
+}
+
 /// A function between neighbouring nodes of it, by VTK's evaluation of a function of these two alone: that of the whole
 /// one passes all of its nodes, for each value.
 class Opacities
@@ -71,7 +78,7 @@ public:
   {
     if (!isInside_)
     {
-      return function_->GetValue(value);
+      return function_->GetValue(withLogarithm(value, segment_->GetUseLogScale(), nodes_));
     }
     if (!isLine_)
     {
@@ -150,6 +157,7 @@ public:
     {
       return inTable(value);
     }
+    value = withLogarithm(value, isLogarithmic_, nodes_);
     (isInside_ ? segment_ : function_)->GetTable(value, value, 1, color.data());
     return color;
   }

@@ -411,6 +411,178 @@ TEST_F(P4estReaderTest, FiltersOfVtk)
   }
 }
 
+using Box = std::array<double, 6>;
+
+/// Where the forest's leaves are, and their values. toGrid: from the space of its vertices, box to box.
+std::map<Box, double> leavesOf(
+  const ForestWriter& forest, const std::function<ForestWriter::Point(const ForestWriter::Point&)>& toGrid)
+{
+  std::map<Box, double> leaves;
+  for (const ForestQuadrant& q : forest.quadrants())
+  {
+    const std::array<ForestWriter::Point, 2> corners = forest.bounds(q);
+    const ForestWriter::Point a = toGrid(corners[0]);
+    const ForestWriter::Point b = toGrid(corners[1]);
+    Box box;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      box[2 * axis] = std::min(a[axis], b[axis]);
+      box[2 * axis + 1] = std::max(a[axis], b[axis]);
+    }
+    leaves[box] = stateOf(q).rho;
+  }
+  return leaves;
+}
+
+void expectBoxes(vtkHyperTreeGrid* grid, const std::map<Box, double>& expected)
+{
+  std::size_t count = 0;
+  visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+    Box box;
+    cursor->GetBounds(box.data());
+    const auto found = expected.find(box);
+    ASSERT_TRUE(found != expected.end()) << box[0] << ' ' << box[2] << ' ' << box[4];
+    ASSERT_EQ(grid->GetCellData()->GetArray("rho")->GetTuple1(cursor->GetGlobalNodeIndex()), found->second);
+    ++count;
+  });
+  EXPECT_EQ(count, expected.size());
+}
+
+/// Of the unit cube: all 48 turned and reflected ones, or the turned ones alone.
+std::vector<ForestWriter::Corners> turnedCubes(bool reflectedToo)
+{
+  std::vector<ForestWriter::Corners> cubes;
+  std::array<std::size_t, 3> axes{ 0, 1, 2 };
+  do
+  {
+    const bool isEven = (axes[0] < axes[1]) == ((axes[1] < axes[2]) == (axes[0] < axes[2]));
+    for (int flips = 0; flips < 8; ++flips)
+    {
+      if (!reflectedToo && (std::popcount(static_cast<unsigned>(flips)) % 2 == 0) != isEven)
+      {
+        continue;
+      }
+      ForestWriter::Corners& corners = cubes.emplace_back();
+      for (int c = 0; c < 8; ++c)
+      {
+        for (std::size_t a = 0; a < 3; ++a)
+        {
+          corners[static_cast<std::size_t>(c)][axes[a]] = (c ^ flips) >> a & 1;
+        }
+      }
+    }
+  }
+  while (std::ranges::next_permutation(axes).found);
+  return cubes;
+}
+
+void move(ForestWriter::Corners& corners, const ForestWriter::Point& by)
+{
+  for (ForestWriter::Point& corner : corners)
+  {
+    std::ranges::transform(corner, by, corner.begin(), std::plus());
+  }
+}
+
+/// A wall of three by two by two trees with one left out, each turned in any way.
+ForestWriter turnedWall()
+{
+  const std::vector<ForestWriter::Corners> cubes = turnedCubes(false);
+  EXPECT_EQ(cubes.size(), 24u);
+  std::mt19937 random(5);
+  std::vector<ForestWriter::Corners> trees;
+  for (int i = 0; i < 11; ++i)
+  {
+    trees.push_back(cubes[random() % cubes.size()]);
+    move(trees.back(),
+      { static_cast<double>(i % 3), static_cast<double>(i / 3 % 2), static_cast<double>(i / 6) });
+  }
+  return ForestWriter::joinedTrees(trees);
+}
+
+ForestWriter turnedRow()
+{
+  std::vector<ForestWriter::Corners> trees = turnedCubes(true);
+  for (std::size_t i = 0; i < trees.size(); ++i)
+  {
+    move(trees[i], { static_cast<double>(i), 0., 0. });
+  }
+  return ForestWriter::separateTrees(trees);
+}
+
+void refineAnyhow(ForestWriter& forest)
+{
+  forest.refine([](const ForestQuadrant& q) { return q.level < 1 || (q.level < 4 && hashOf(q) % 5 == 0); });
+  fillWithStates(forest);
+}
+
+TEST_F(P4estReaderTest, TreesAreTurnedAsTheirVerticesAre)
+{
+  ForestWriter reflected = ForestWriter::brick({ 2, 3, 1 });
+  reflected.moveVertices([](const ForestWriter::Point& p) {
+    return ForestWriter::Point{ p[1], -2. * p[2], 0.5 * p[0] };
+  });
+  for (ForestWriter forest :
+    { turnedRow(), turnedWall(), ForestWriter::named("twowrap"), ForestWriter::named("rotwrap"), reflected })
+  {
+    refineAnyhow(forest);
+    const std::string path = folder_.file("turned.p8est");
+    forest.save(path);
+    expectBoxes(this->read(path, stateText, false), leavesOf(forest, [](const auto& p) { return p; }));
+  }
+}
+
+// The first tree's axes are the grid's.
+TEST_F(P4estReaderTest, TreesWithoutVerticesAreLaidOutFromFaceToFace)
+{
+  reader_->SetOrigin(-8., 0.5, 4.);
+  reader_->SetSpacing(1., 0.25, 2.);
+  for (ForestWriter forest :
+    { ForestWriter::brick({ 3, 2, 4 }), ForestWriter::brick({ 3, 2, 4 }, { true, true, true }), turnedWall(),
+      ForestWriter::named("twocubes") })
+  {
+    refineAnyhow(forest);
+    const ForestWriter::Point first = forest.bounds({})[0];
+    std::array<ForestWriter::Point, 3> axes;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      ForestQuadrant next;
+      next.index[a] = 1;
+      axes[a] = forest.bounds(next)[0];
+    }
+    const auto inFirst = [&](const ForestWriter::Point& p) {
+      ForestWriter::Point at{};
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        for (std::size_t w = 0; w < 3; ++w)
+        {
+          at[a] += (p[w] - first[w]) * (axes[a][w] - first[w]);
+        }
+      }
+      return at;
+    };
+    ForestWriter::Point least{};
+    for (const ForestQuadrant& q : forest.quadrants())
+    {
+      for (const ForestWriter::Point& corner : forest.bounds(q))
+      {
+        std::ranges::transform(
+          least, inFirst(corner), least.begin(), [](double a, double b) { return std::min(a, b); });
+      }
+    }
+    const auto toGrid = [&](const ForestWriter::Point& p) {
+      const ForestWriter::Point at = inFirst(p);
+      return ForestWriter::Point{ -8. + (at[0] - least[0]), 0.5 + 0.25 * (at[1] - least[1]),
+        4. + 2. * (at[2] - least[2]) };
+    };
+    const std::map<Box, double> expected = leavesOf(forest, toGrid);
+    forest.dropVertices();
+    const std::string path = folder_.file("topology.p8est");
+    forest.save(path);
+    expectBoxes(this->read(path, stateText, false), expected);
+  }
+}
+
 TEST_F(P4estReaderTest, ArraysAreOfThePayloadsTypes)
 {
   ForestWriter forest = ForestWriter::unitCube();
@@ -713,9 +885,11 @@ TEST_F(P4estReaderTest, OtherFiles)
   EXPECT_EQ(reader_->CanReadFile(path.c_str()), 1);
 
   ForestWriter::named("rotcubes").save(path);
-  this->expectError(path, "", "in identity orientation");
-  ForestWriter::withoutVertices().save(path);
-  this->expectError(path, "", "no vertices");
+  this->expectError(path, "", "an axis-aligned box");
+  ForestWriter sphere = ForestWriter::named("sphere");
+  sphere.dropVertices();
+  sphere.save(path);
+  this->expectError(path, "", "turned against where other faces put it");
 }
 
 TEST_F(P4estReaderTest, SpoiltFiles)

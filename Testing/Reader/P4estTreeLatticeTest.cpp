@@ -157,9 +157,20 @@ TEST_F(P4estTreeLatticeTest, OtherConnectivities)
   EXPECT_EQ(latticeOf(ForestWriter::named("twocubes")).planes()[0], (std::vector{ 0., 1., 2. }));
 }
 
-TEST_F(P4estTreeLatticeTest, RotatedAndCurvedTrees)
+TEST_F(P4estTreeLatticeTest, TurnedAndReflectedTrees)
 {
-  for (const char* name : { "rotcubes", "shell", "sphere", "twowrap" })
+  EXPECT_EQ(latticeOf(ForestWriter::named("twowrap")).treeCount(), 2);
+  auto forest = ForestWriter::brick({ 2, 1, 1 });
+  forest.moveVertices([](const Point& p) { return Point{ -p[0], p[2], p[1] }; });
+  const TreeLattice lattice = latticeOf(forest);
+  EXPECT_EQ(lattice.planes(), (Planes{ { { -2., -1., -0. }, { 0., 1. }, { 0., 1. } } }));
+  EXPECT_EQ(lattice.place(0), (std::array{ 1, 0, 0 }));
+  EXPECT_EQ(lattice.orientation(1), (TreeOrientation{ 1, 0, 5, 4, 3, 2, 7, 6 }));
+}
+
+TEST_F(P4estTreeLatticeTest, CurvedTrees)
+{
+  for (const char* name : { "rotcubes", "shell", "sphere" })
   {
     try
     {
@@ -171,15 +182,59 @@ TEST_F(P4estTreeLatticeTest, RotatedAndCurvedTrees)
       EXPECT_NE(std::string(error.what()).find(": tree "), std::string::npos) << error.what();
     }
   }
-  auto forest = ForestWriter::brick({ 2, 1, 1 });
-  forest.moveVertices([](const Point& p) { return Point{ -p[0], p[1], p[2] }; });
-  expectError(forest, "tree 0: from -0 to -1 along x, allowed an axis-aligned box in identity orientation");
+  auto corners = boxCorners({ 0., 0., 0. }, { 1., 1., 1. });
+  std::swap(corners[3], corners[5]);
+  expectError(
+    ForestWriter::separateTrees({ corners }), "tree 0: its corners are those of a box in another order");
+}
+
+TEST_F(P4estTreeLatticeTest, WithoutVertices)
+{
+  const TreeLattice one = latticeOf(ForestWriter::withoutVertices());
+  EXPECT_EQ(one.planes(), (Planes{ { { 0., 1. }, { 0., 1. }, { 0., 1. } } }));
+  for (const bool periodic : { false, true })
+  {
+    auto forest = ForestWriter::brick({ 3, 2, 5 }, { periodic, periodic, periodic });
+    const TreeLattice expected = latticeOf(forest);
+    forest.dropVertices();
+    const TreeLattice lattice = latticeOf(forest);
+    EXPECT_EQ(lattice.planes(), expected.planes());
+    for (int tree = 0; tree < 30; ++tree)
+    {
+      EXPECT_EQ(lattice.place(tree), expected.place(tree));
+      EXPECT_EQ(lattice.orientation(tree), alongAxes);
+    }
+  }
+  for (const char* name : { "rotcubes", "rotwrap", "shell", "sphere" })
+  {
+    auto forest = ForestWriter::named(name);
+    forest.dropVertices();
+    expectError(forest, "turned against where other faces put it");
+  }
+  auto wrapped = ForestWriter::named("twowrap"); // twice joined, the second time around the whole
+  wrapped.dropVertices();
+  EXPECT_EQ(latticeOf(wrapped).treeCount(), 2);
+  auto unconnected = ForestWriter::separateTrees(
+    { boxCorners({ 0., 0., 0. }, { 1., 1., 1. }), boxCorners({ 1., 0., 0. }, { 2., 1., 1. }) });
+  unconnected.dropVertices();
+  expectError(unconnected, "tree 1: no vertices, and no face joins it with tree 0");
+}
+
+TEST_F(P4estTreeLatticeTest, BoxesWithoutVertices)
+{
+  const std::string path = folder_.file("forest.p8est");
+  ForestWriter::withoutVertices().save(path);
+  const P4estForestFile file(path);
+  const TreeLattice lattice = p4estTreeLattice(file, { { 1., -2., 0. }, { 0.5, 3., 1e-3 } });
+  EXPECT_EQ(lattice.planes(), (Planes{ { { 1., 1.5 }, { -2., 1. }, { 0., 1e-3 } } }));
+  for (const double bad : { 0., -1., std::numeric_limits<double>::quiet_NaN(), 1e-20 })
+  {
+    EXPECT_THROW((p4estTreeLattice(file, { { 1., 1., 1. }, { 1., 1., bad } })), Error);
+  }
 }
 
 TEST_F(P4estTreeLatticeTest, TreesThatFitNoLattice)
 {
-  expectError(ForestWriter::withoutVertices(), "the connectivity has no vertices");
-
   const auto unit = boxCorners({ 0., 0., 0. }, { 1., 1., 1. });
   expectError(ForestWriter::separateTrees({ unit, boxCorners({ 1., 0., 0. }, { 2., 1., 1. }), unit }),
     "tree 2: at the place of tree 0, allowed one of its own");

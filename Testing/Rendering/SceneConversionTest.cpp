@@ -354,6 +354,38 @@ TEST_F(TransferFunctionTest, everyColorSpaceAndCurve)
   }
 }
 
+// Values without a logarithm lie below the first node.
+TEST_F(TransferFunctionTest, logarithmsOfValuesFromBelowZero)
+{
+  color->SetScaleToLog10();
+  opacity->SetUseLogScale(true);
+  for (const bool belowRange : { false, true })
+  {
+    color->RemoveAllPoints();
+    color->AddRGBPoint(1e-3, 0.1, 0.2, 0.9);
+    color->AddRGBPoint(10., 0.9, 0.3, 0.1);
+    color->SetUseBelowRangeColor(belowRange);
+    color->SetBelowRangeColor(0.3, 0.6, 0.4);
+    opacity->RemoveAllPoints();
+    opacity->AddPoint(1e-3, 0.2);
+    opacity->AddPoint(10., 0.7);
+    const TransferFunction table = convertTransferFunction(property, { -5.f, 10.f });
+    for (const float value : { -5.f, -1e-3f, 0.f, 1e-30f, 9e-4f })
+    {
+      const TransferFunction::Entry entry = table.at(value);
+      EXPECT_NEAR(entry.r, belowRange ? 0.3 : 0.1, 1e-6) << value;
+      EXPECT_NEAR(entry.b, belowRange ? 0.4 : 0.9, 1e-6) << value;
+      EXPECT_NEAR(-std::expm1(-entry.extinction * 0.5), 0.2, 1e-6) << value;
+    }
+    for (const double value : { 2e-3, 0.1, 3. })
+    {
+      double rgb[3];
+      color->GetColor(value, rgb);
+      EXPECT_NEAR(table.at(static_cast<float>(value)).r, rgb[0], asked) << value;
+    }
+  }
+}
+
 TEST_F(TransferFunctionTest, sixtyDecades)
 {
   color->SetScaleToLog10();

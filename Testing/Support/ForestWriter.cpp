@@ -8,6 +8,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <stdexcept>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -148,6 +149,30 @@ ForestWriter ForestWriter::separateTrees(const std::vector<Corners>& trees)
   return ForestWriter(std::make_shared<Impl>(connectivity));
 }
 
+ForestWriter ForestWriter::joinedTrees(const std::vector<Corners>& trees)
+{
+  std::map<Point, p4est_topidx_t> vertices;
+  for (const Corners& corners : trees)
+  {
+    for (const Point& corner : corners)
+    {
+      vertices.emplace(corner, static_cast<p4est_topidx_t>(vertices.size()));
+    }
+  }
+  ForestWriter forest = separateTrees(trees);
+  p8est_connectivity_t* connectivity = forest.impl_->connectivity;
+  for (std::size_t i = 0; i < 8 * trees.size(); ++i)
+  {
+    connectivity->tree_to_vertex[i] = vertices[trees[i / 8][i % 8]];
+  }
+  for (const auto& [at, vertex] : vertices)
+  {
+    std::memcpy(connectivity->vertices + 3 * vertex, at.data(), sizeof(Point));
+  }
+  p8est_connectivity_complete(connectivity);
+  return forest;
+}
+
 ForestWriter ForestWriter::withoutVertices()
 {
   Session::ensure();
@@ -168,6 +193,16 @@ void ForestWriter::moveVertices(const std::function<Point(const Point&)>& move)
     const Point moved = move({ v[0], v[1], v[2] });
     std::memcpy(v, moved.data(), sizeof(moved));
   }
+}
+
+void ForestWriter::dropVertices()
+{
+  p8est_connectivity_t& connectivity = *impl_->connectivity;
+  P4EST_FREE(connectivity.vertices);
+  P4EST_FREE(connectivity.tree_to_vertex);
+  connectivity.vertices = nullptr;
+  connectivity.tree_to_vertex = nullptr;
+  connectivity.num_vertices = 0;
 }
 
 void ForestWriter::setTreeAttributes(std::size_t bytesPerTree)

@@ -45,10 +45,14 @@ public:
   static ForestWriter named(const std::string& name);
   /// Trees without neighbours, each by its corners in p4est's order (x fastest).
   static ForestWriter separateTrees(const std::vector<Corners>& trees);
+  /// The same joined where they share four corners; all right-handed.
+  static ForestWriter joinedTrees(const std::vector<Corners>& trees);
   /// Topology alone: one tree, no vertices.
   static ForestWriter withoutVertices();
 
   void moveVertices(const std::function<Point(const Point&)>& move);
+  /// Leaves the topology alone, as deal.II does; bounds() must not be asked after that.
+  void dropVertices();
   /// Bytes that p4est keeps for the user of the connectivity.
   void setTreeAttributes(std::size_t bytesPerTree);
 
