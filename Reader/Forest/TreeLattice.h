@@ -20,7 +20,7 @@ constexpr bool isOrientation(const TreeOrientation& corners) noexcept
   const int x = corners[1] ^ corners[0];
   const int y = corners[2] ^ corners[0];
   const int z = corners[4] ^ corners[0];
-  bool fits = (x | y | z) == 7 && x + y + z == 7;
+  bool fits = (x | y | z) == 7 && x * y * z == 8; // 1, 2 and 4 in any order
   for (int c = 0; c < 8; ++c)
   {
     fits = fits && corners[c] == (corners[0] ^ (c & 1 ? x : 0) ^ (c & 2 ? y : 0) ^ (c & 4 ? z : 0));

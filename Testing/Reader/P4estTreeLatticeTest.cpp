@@ -183,9 +183,19 @@ TEST_F(P4estTreeLatticeTest, CurvedTrees)
     }
   }
   auto corners = boxCorners({ 0., 0., 0. }, { 1., 1., 1. });
+  const auto expectOrderError = [&] {
+    expectError(
+      ForestWriter::separateTrees({ corners }), "tree 0: its corners are those of a box in another order");
+  };
   std::swap(corners[3], corners[5]);
-  expectError(
-    ForestWriter::separateTrees({ corners }), "tree 0: its corners are those of a box in another order");
+  expectOrderError();
+  for (int c = 0; c < 8; ++c) // four corners, each twice
+  {
+    const int at = (c & 1 ? 3 : 0) ^ (c & 2 ? 4 : 0);
+    corners[c] = { static_cast<double>(at & 1), static_cast<double>(at >> 1 & 1),
+      static_cast<double>(at >> 2) };
+  }
+  expectOrderError();
 }
 
 TEST_F(P4estTreeLatticeTest, WithoutVertices)
