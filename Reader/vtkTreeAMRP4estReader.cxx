@@ -7,6 +7,7 @@
 #include "Forest/P4estTreeLattice.h"
 #include "Forest/PayloadGuess.h"
 #include "Forest/PayloadLayout.h"
+#include "Forest/QuadrantArrays.h"
 #include "HyperTreeGridBuilder.h"
 
 #include "vtkCommand.h"
@@ -126,15 +127,32 @@ PayloadReading ReadPayload(const P4estForestFile& file, const std::string& text)
   return { layout.fields(), {} };
 }
 
-// Those of the payload, which keep their names, and those that tell of the quadrants themselves.
-std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields, bool generateLevel)
+// Of a text property.
+std::string TextOf(const char* text)
+{
+  return text ? text : "";
+}
+
+// Those of the payload and of files, which keep their names, and those that tell of the quadrants themselves. Throws Error
+// when a file's has the name of one of the payload.
+std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields,
+  const std::vector<treeamr::QuadrantArray>& ofFiles, bool generateLevel)
 {
   std::vector<std::string> names;
   for (const PayloadField& field : fields)
   {
     names.push_back(field.name);
   }
-  if (generateLevel || fields.empty())
+  for (const treeamr::QuadrantArray& array : ofFiles)
+  {
+    if (std::ranges::find(names, array.field.name) != names.end())
+    {
+      throw treeamr::Error("quadrant arrays: \"" + array.field.name +
+        "\", which is in the payload, too, allowed are other names (name = file)");
+    }
+    names.push_back(array.field.name);
+  }
+  if (generateLevel || names.empty())
   {
     for (const char* name : { treeamr::levelArrayName, treeamr::treeIdArrayName })
     {
@@ -146,6 +164,33 @@ std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields, boo
   }
   return names;
 }
+
+// A file's values as if they were the payload.
+class FileFiller : public treeamr::CellArrayFiller
+{
+public:
+  FileFiller(treeamr::QuadrantArrayFile file, vtkIdType nodes)
+    : File(std::move(file))
+    , Filler(treeamr::makeFiller(this->File.field(), nodes))
+  {
+  }
+  void setLeaf(vtkIdType node, const treeamr::TreeLeaf& leaf) override
+  {
+    treeamr::TreeLeaf withValues = leaf;
+    withValues.payload = this->File.at(leaf.number);
+    this->Filler->setLeaf(node, withValues);
+  }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  {
+    this->Filler->setInner(node, firstChild, present);
+  }
+  void setMissing(vtkIdType node) override { this->Filler->setMissing(node); }
+  vtkAbstractArray* array() const noexcept override { return this->Filler->array(); }
+
+private:
+  treeamr::QuadrantArrayFile File;
+  std::unique_ptr<treeamr::CellArrayFiller> Filler;
+};
 
 std::string Quoted(const std::vector<std::string>& names)
 {
@@ -170,6 +215,7 @@ vtkTreeAMRP4estReader::~vtkTreeAMRP4estReader()
 {
   this->SetFileName(nullptr);
   this->SetPayload(nullptr);
+  this->SetQuadrantArrays(nullptr);
 }
 
 void vtkTreeAMRP4estReader::PrintSelf(ostream& os, vtkIndent indent)
@@ -177,6 +223,7 @@ void vtkTreeAMRP4estReader::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n"
      << indent << "Payload: " << (this->Payload ? this->Payload : "(none)") << "\n"
+     << indent << "QuadrantArrays: " << (this->QuadrantArrays ? this->QuadrantArrays : "(none)") << "\n"
      << indent << "Origin: " << this->Origin[0] << ", " << this->Origin[1] << ", " << this->Origin[2] << "\n"
      << indent << "Spacing: " << this->Spacing[0] << ", " << this->Spacing[1] << ", " << this->Spacing[2]
      << "\n"
@@ -287,19 +334,20 @@ int vtkTreeAMRP4estReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   outputVector->GetInformationObject(0)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  const std::string payload = this->Payload ? this->Payload : "";
-  const std::string fileName = this->FileName ? this->FileName : "";
+  const std::string payload = TextOf(this->Payload);
+  const std::string fileName = TextOf(this->FileName);
   try
   {
+    const auto ofFiles = treeamr::parseQuadrantArrays(TextOf(this->QuadrantArrays));
     if (!payload.empty()) // the file is not asked
     {
       this->SetSelectableArrays(
-        ArrayNames(treeamr::PayloadLayout::parse(payload).fields(), this->GenerateLevel));
+        ArrayNames(treeamr::PayloadLayout::parse(payload).fields(), ofFiles, this->GenerateLevel));
     }
     else if (!fileName.empty())
     {
       this->SetSelectableArrays(
-        ArrayNames(GuessPayload(P4estForestFile(fileName)).fields, this->GenerateLevel));
+        ArrayNames(GuessPayload(P4estForestFile(fileName)).fields, ofFiles, this->GenerateLevel));
     }
   }
   catch (const std::exception&)
@@ -356,10 +404,11 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   treeamr::HyperTreeGridBuilder builder(grid, lattice, NodeCounts(file), file.path());
   const vtkIdType nodes = builder.nodeCount();
 
-  const PayloadReading payload = ReadPayload(file, this->Payload ? this->Payload : "");
+  const PayloadReading payload = ReadPayload(file, TextOf(this->Payload));
   this->Remark(file.path(), RemarkOnPlaces(file, boxes) + payload.remark);
 
-  const std::vector<std::string> names = ArrayNames(payload.fields, this->GenerateLevel);
+  const auto ofFiles = treeamr::parseQuadrantArrays(TextOf(this->QuadrantArrays));
+  const std::vector<std::string> names = ArrayNames(payload.fields, ofFiles, this->GenerateLevel);
   this->WarnOfUnknownArrays(file.path(), names);
   for (const std::string& name : names)
   {
@@ -371,6 +420,13 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
     if (field != payload.fields.end())
     {
       builder.addArray(treeamr::makeFiller(*field, nodes));
+    }
+    else if (const auto array =
+               std::ranges::find(ofFiles, name, [](const treeamr::QuadrantArray& a) { return a.field.name; });
+             array != ofFiles.end())
+    {
+      builder.addArray(std::make_unique<FileFiller>(
+        treeamr::QuadrantArrayFile(*array, file.path(), file.quadrantCount()), nodes));
     }
     else if (name == treeamr::levelArrayName)
     {

@@ -13,6 +13,8 @@
  * the first one that is read is the active scalars. Without a Payload, 8 bytes are read as `double value` if
  * their values look like doubles; anything else is left out. A warning says either.
  *
+ * What programs keep in files of their own, one value or several for each quadrant, QuadrantArrays names.
+ *
  * The cell data selection has the arrays there are, all of them on: those that are off take neither memory
  * nor time. Turn an array off before UpdateInformation() has told of it, and it stays off. When some are off
  * and some on, or all that UpdateInformation() has told of are off, those that nobody named are off, too; a name
@@ -55,6 +57,15 @@ public:
    */
   vtkSetStringMacro(Payload);
   vtkGetStringMacro(Payload);
+  ///@}
+
+  ///@{
+  /**
+   * Arrays in files beside the forest, for example `density.npy; double velocity[3] = {}_u.raw`; empty by default.
+   * Forest/QuadrantArrays.h has the grammar.
+   */
+  vtkSetStringMacro(QuadrantArrays);
+  vtkGetStringMacro(QuadrantArrays);
   ///@}
 
   ///@{
@@ -108,6 +119,7 @@ protected:
 
   char* FileName = nullptr;
   char* Payload = nullptr;
+  char* QuadrantArrays = nullptr;
   double Origin[3] = { 0., 0., 0. };
   double Spacing[3] = { 1., 1., 1. };
   bool GenerateLevel = false;

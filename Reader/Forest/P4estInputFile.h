@@ -1,4 +1,4 @@
-// Sequential reading of a p4est file, with errors that name it. Private to P4estForestFile.
+// Sequential reading of a file of a forest, with errors that name it. Private to Reader/Forest.
 #pragma once
 
 #include "Error.h"
@@ -20,7 +20,8 @@ class P4estInputFile
 public:
   static constexpr std::size_t blockBytes = std::size_t(1) << 20;
 
-  explicit P4estInputFile(const std::string& path)
+  /// allowed: what it should be, for messages.
+  explicit P4estInputFile(const std::string& path, std::string_view allowed = "a forest saved by p8est_save")
     : path_(path)
   {
     std::error_code code;
@@ -31,8 +32,8 @@ public:
     }
     if (!std::filesystem::is_regular_file(status))
     {
-      fail(std::filesystem::is_directory(status) ? "a directory" : "not a regular file",
-        ", allowed a forest saved by p8est_save");
+      fail(
+        std::filesystem::is_directory(status) ? "a directory" : "not a regular file", ", allowed ", allowed);
     }
     size_ = std::filesystem::file_size(path, code);
     stream_.open(path, std::ios::binary);

@@ -608,6 +608,40 @@ TEST_F(P4estReaderTest, ArraysAreOfThePayloadsTypes)
   }
 }
 
+TEST_F(P4estReaderTest, ArraysOfFilesBesideTheForest)
+{
+  ForestWriter forest = ForestWriter::brick({ 2, 1, 1 });
+  refineAnyhow(forest);
+  const std::string path = folder_.file("step.p8est");
+  forest.save(path);
+  std::ofstream raw(folder_.file("step_hash.raw"), std::ios::binary);
+  for (const ForestQuadrant& q : forest.quadrants())
+  {
+    const std::array<std::uint64_t, 2> values{ hashOf(q), hashOf(q) / 3 };
+    raw.write(reinterpret_cast<const char*>(values.data()), sizeof(values));
+  }
+  raw.close();
+  reader_->SetQuadrantArrays("uint64 hash[2] = {}_hash.raw");
+  vtkHyperTreeGrid* const grid = this->read(path, stateText, true);
+  expectLeaves(grid, forest);
+  vtkDataArray* const hashes = grid->GetCellData()->GetArray("hash");
+  ASSERT_NE(hashes, nullptr);
+  EXPECT_EQ(hashes->GetDataType(), VTK_TYPE_UINT64);
+  std::size_t count = 0;
+  visitLeaves(grid, [&](vtkHyperTreeGridNonOrientedGeometryCursor* cursor) {
+    const vtkIdType id = cursor->GetGlobalNodeIndex();
+    const auto hash =
+      static_cast<std::uint64_t>(grid->GetCellData()->GetArray("id")->GetVariantValue(id).ToLongLong());
+    ASSERT_EQ(hashes->GetVariantValue(2 * id).ToUnsignedLongLong(), hash);
+    ASSERT_EQ(hashes->GetVariantValue(2 * id + 1).ToUnsignedLongLong(), hash / 3);
+    ++count;
+  });
+  EXPECT_EQ(count, static_cast<std::size_t>(forest.quadrantCount()));
+  this->expectError(path, "double hash; pad[32]", "which is in the payload, too");
+  reader_->SetQuadrantArrays("nothing.npy");
+  this->expectError(path, stateText, "nothing.npy: no such file");
+}
+
 TEST_F(P4estReaderTest, WithoutPayload)
 {
   ForestWriter forest = smallBrick();
