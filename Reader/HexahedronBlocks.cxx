@@ -33,14 +33,6 @@ auto pointerTo(Array* array)
 
 } // namespace
 
-std::string textOf(const std::array<double, 3>& values)
-{
-  std::ostringstream text;
-  text.precision(10);
-  text << '(' << values[0] << ", " << values[1] << ", " << values[2] << ')';
-  return text.str();
-}
-
 HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
   : grid_(grid)
   , name_(std::move(name))
@@ -55,15 +47,7 @@ HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
       " cell types, allowed are " + std::to_string(cellCount_) + ", one a cell");
   }
   types_ = pointerTo(types);
-  if (vtkUnsignedCharArray* const ghosts = grid->GetCellGhostArray())
-  {
-    if (ghosts->GetNumberOfTuples() < cellCount_)
-    {
-      throw Error(prefix + "vtkGhostType has " + std::to_string(ghosts->GetNumberOfTuples()) +
-        " tuples, allowed are " + std::to_string(cellCount_) + ", one a cell");
-    }
-    ghosts_ = pointerTo(ghosts);
-  }
+  ghosts_ = cellGhosts({ grid, name_ });
 
   vtkCellArray* const cells = grid->GetCells();
   idCount_ = cells->GetNumberOfConnectivityIds();
@@ -170,6 +154,23 @@ std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input)
     add(leaves->GetCurrentDataObject(), name);
   }
   return blocks;
+}
+
+BlockArrays arraysOf(const std::vector<HexahedronBlock>& blocks)
+{
+  std::vector<NamedDataSet> sets;
+  for (const HexahedronBlock& block : blocks)
+  {
+    sets.push_back({ block.grid(), block.name() });
+  }
+  return arraysOf(std::move(sets), [&blocks](const CellNumber& number) {
+    std::array<vtkIdType, 8> points;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      points[corner] = blocks[number.block()].point(number.cell(), corner);
+    }
+    return points;
+  });
 }
 
 } // namespace treeamr

@@ -2,6 +2,8 @@
 // Private to the module.
 #pragma once
 
+#include "BlockArrays.h"
+#include "CellNumber.h"
 #include "Forest/BoxLattice.h"
 
 #include "vtkCellType.h"
@@ -21,30 +23,6 @@ class vtkDataObject;
 namespace treeamr
 {
 
-/// Of a block and in it; in the order of both.
-class CellNumber
-{
-public:
-  CellNumber(std::size_t block, vtkIdType cell) noexcept
-    : number_(std::uint64_t(block) << cellBits | static_cast<std::uint64_t>(cell))
-  {
-  }
-  explicit CellNumber(std::uint64_t number) noexcept
-    : number_(number)
-  {
-  }
-  std::uint64_t number() const noexcept { return number_; }
-  std::size_t block() const noexcept { return static_cast<std::size_t>(number_ >> cellBits); }
-  vtkIdType cell() const noexcept
-  {
-    return static_cast<vtkIdType>(number_ & ((std::uint64_t(1) << cellBits) - 1));
-  }
-
-private:
-  static constexpr int cellBits = 40;
-  std::uint64_t number_;
-};
-
 class HexahedronBlock
 {
 public:
@@ -56,7 +34,6 @@ public:
   vtkUnstructuredGrid* grid() const noexcept { return grid_; }
   const std::string& name() const noexcept { return name_; }
   vtkIdType cellCount() const noexcept { return cellCount_; }
-  vtkIdType pointCount() const noexcept { return pointCount_; }
   bool hasFloats() const noexcept { return floats_ != nullptr; }
 
   /// Copies of other processes' cells, and what VTK does not show.
@@ -143,10 +120,10 @@ inline CornerCoordinates HexahedronBlock::corners(vtkIdType cell) const noexcept
   return corners;
 }
 
-/// (x, y, z), for messages.
-std::string textOf(const std::array<double, 3>& values);
-
 /// Those of a vtkUnstructuredGrid or of all in a composite data set that have cells. Throws Error for data of other kinds.
 std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input);
+
+/// blocks must outlive them, and have cells.
+BlockArrays arraysOf(const std::vector<HexahedronBlock>& blocks);
 
 } // namespace treeamr

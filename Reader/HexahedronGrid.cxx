@@ -3,9 +3,7 @@
 #include "HexahedronGrid.h"
 
 #include "Error.h"
-#include "ParallelGridBuilder.h"
-
-#include "Octree/RootGrid.h"
+#include "GridOfCells.h"
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -107,8 +105,7 @@ public:
   template <class Keys>
   std::optional<SortedCells<Keys, std::uint64_t>> sortCells(const BoxLattice& lattice) const
   {
-    const int padding = RootGrid(lattice.planes()).paddingDepth();
-    SortedCells<Keys, std::uint64_t> cells(padding, lattice.deepest(), cellCount_);
+    SortedCells<Keys, std::uint64_t> cells(paddingOf(lattice), lattice.deepest(), cellCount_);
     const auto misfit =
       placeCells(lattice, [&](std::size_t at, const CellId& place, const CellNumber& number) {
         cells.set(at, place, number.number());
@@ -370,42 +367,24 @@ private:
   FirstCell firstNoBox_;
 };
 
-/// False when cells do not fit.
-template <class Keys>
-bool build(const HexahedronConverter& converter, const BoxLattice& lattice,
-  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid)
-{
-  const auto cells = converter.sortCells<Keys>(lattice);
-  if (!cells)
-  {
-    return false;
-  }
-  setLattice(grid, lattice.planes());
-  ParallelGridBuilder<Keys> builder(*cells);
-  for (const HexahedronArray& array : arrays.arrays)
-  {
-    builder.addArray(makeFiller(blocks, array, builder.nodeCount()));
-  }
-  builder.build(grid);
-  return true;
-}
-
 } // namespace
 
-void makeGrid(
-  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid)
+void makeGrid(const std::vector<HexahedronBlock>& blocks, const BlockArrays& arrays, vtkHyperTreeGrid* grid)
 {
   const HexahedronConverter converter(blocks);
   if (converter.cellCount() == 0)
   {
     return;
   }
-  const auto buildOn = [&](const BoxLattice& lattice) {
-    using ShortKeys = MortonKeys<std::uint64_t>;
-    const int depth = RootGrid(lattice.planes()).paddingDepth() + lattice.deepest();
-    return depth <= ShortKeys::maxDepth
-      ? build<ShortKeys>(converter, lattice, blocks, arrays, grid)
-      : build<MortonKeys<WideKey>>(converter, lattice, blocks, arrays, grid);
+  const auto buildOn = [&](const BoxLattice& lattice) { // false when cells do not fit
+    return withKeys(lattice, [&]<class Keys>() {
+      const auto cells = converter.sortCells<Keys>(lattice);
+      if (cells)
+      {
+        buildGrid(*cells, lattice, arrays, grid);
+      }
+      return cells.has_value();
+    });
   };
   if (buildOn(converter.findLattice()))
   {

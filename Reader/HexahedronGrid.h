@@ -1,7 +1,6 @@
 // A vtkHyperTreeGrid from hexahedra that are the leaves of octrees. Private to the module.
 #pragma once
 
-#include "HexahedronArrays.h"
 #include "HexahedronBlocks.h"
 
 #include <vector>
@@ -15,7 +14,6 @@ namespace treeamr
 /// so when all cells are left out. Beside input and output it takes 32 bytes a
 /// cell, 64 when cells lie more than 21 levels below the padded root. Throws Error that names the first cell that is no
 /// axis-aligned box or fits not the lattice of the largest ones, and cells that overlap.
-void makeGrid(
-  const std::vector<HexahedronBlock>& blocks, const HexahedronArrays& arrays, vtkHyperTreeGrid* grid);
+void makeGrid(const std::vector<HexahedronBlock>& blocks, const BlockArrays& arrays, vtkHyperTreeGrid* grid);
 
 } // namespace treeamr

@@ -21,50 +21,32 @@
  * changes. It also names arrays that not all blocks have alike, which are left out. A coarse cell has the mean of its
  * children in arrays of float and double, and the value of its first child in others.
  *
- * In parallel the first process asks for the whole input and makes all of the grid; those of the others are empty. A
- * warning there says when the input is one that cannot be asked, but has other cells in each process.
+ * In parallel the first process makes all of the grid: see vtkTreeAMRGridAlgorithm.
  */
 #ifndef vtkTreeAMRFromUnstructured_h
 #define vtkTreeAMRFromUnstructured_h
 
-#include "vtkHyperTreeGridAlgorithm.h"
+#include "vtkTreeAMRGridAlgorithm.h"
 #include "vtkTreeAMRReaderModule.h"
 
-#include <memory> // for std::unique_ptr
-#include <string>
-
-namespace treeamr
-{
-class OnceReporter;
-} // namespace treeamr
-
-class VTKTREEAMRREADER_EXPORT vtkTreeAMRFromUnstructured : public vtkHyperTreeGridAlgorithm
+class VTKTREEAMRREADER_EXPORT vtkTreeAMRFromUnstructured : public vtkTreeAMRGridAlgorithm
 {
 public:
   static vtkTreeAMRFromUnstructured* New();
-  vtkTypeMacro(vtkTreeAMRFromUnstructured, vtkHyperTreeGridAlgorithm);
+  vtkTypeMacro(vtkTreeAMRFromUnstructured, vtkTreeAMRGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
 protected:
-  vtkTreeAMRFromUnstructured();
-  ~vtkTreeAMRFromUnstructured() override;
+  vtkTreeAMRFromUnstructured() = default;
+  ~vtkTreeAMRFromUnstructured() override = default;
 
+  const char* GetInputKind() const override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
-  int RequestUpdateExtent(
-    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
-  int RequestData(
-    vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector) override;
-  int ProcessTrees(vtkHyperTreeGrid* input, vtkDataObject* output) override;
+  void Convert(vtkDataObject* input, vtkHyperTreeGrid* output) override;
 
 private:
   vtkTreeAMRFromUnstructured(const vtkTreeAMRFromUnstructured&) = delete;
   void operator=(const vtkTreeAMRFromUnstructured&) = delete;
-
-  void Convert(vtkDataObject* input, vtkHyperTreeGrid* output);
-  void Warn(const std::string& message);
-
-  std::unique_ptr<treeamr::OnceReporter> Warnings;
 };
 
 #endif

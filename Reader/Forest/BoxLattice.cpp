@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <sstream>
 #include <string>
 
 namespace treeamr
@@ -59,6 +60,14 @@ bool areCornersOf(const CornerCoordinates& corners, const std::array<std::array<
 
 } // namespace
 
+std::string textOf(const std::array<double, 3>& values)
+{
+  std::ostringstream text;
+  text.precision(10);
+  text << '(' << values[0] << ", " << values[1] << ", " << values[2] << ')';
+  return text.str();
+}
+
 AxisBox boxAround(const CornerCoordinates& corners) noexcept
 {
   AxisBox box;
@@ -78,6 +87,19 @@ AxisBox boxAround(const CornerCoordinates& corners) noexcept
     box.high[a] = isNumber ? high : sum;
   }
   return box;
+}
+
+CornerCoordinates cornersOf(const AxisBox& box) noexcept
+{
+  CornerCoordinates corners;
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      corners[a][corner] = sideOf(corner, a) ? box.high[a] : box.low[a];
+    }
+  }
+  return corners;
 }
 
 bool isBox(const CornerCoordinates& corners, const AxisBox& around, double rounding) noexcept
@@ -118,10 +140,10 @@ BoxSizes::Size& BoxSizes::find(std::uint64_t bin, const AxisBox& box)
   return sizes_[last_];
 }
 
-void BoxSizes::add(const AxisBox& box)
+void BoxSizes::add(const AxisBox& box, std::uint64_t count)
 {
   Size& size = find(binOf(box), box);
-  ++size.count;
+  size.count += count;
   if (box.width(0) > size.width[0])
   {
     size.widest = box;

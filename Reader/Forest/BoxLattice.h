@@ -16,10 +16,14 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace treeamr
 {
+
+/// (x, y, z), for messages.
+std::string textOf(const std::array<double, 3>& values);
 
 /// [axis][corner], corners in any order.
 using CornerCoordinates = std::array<std::array<double, 8>, 3>;
@@ -34,6 +38,7 @@ struct AxisBox
 
 /// Of the corners' coordinates, NaN where one of them is.
 AxisBox boxAround(const CornerCoordinates& corners) noexcept;
+CornerCoordinates cornersOf(const AxisBox& box) noexcept;
 
 /// Whether the corners are those of the box around them, as far as can be told without the others. rounding: of the
 /// coordinates' type, relative.
@@ -52,8 +57,8 @@ public:
     AxisBox widest;              // one of those of the largest width along x
   };
 
-  /// Of finite coordinates and widths above 0.
-  void add(const AxisBox& box);
+  /// Of finite coordinates and widths above 0. count: of boxes of its size.
+  void add(const AxisBox& box, std::uint64_t count = 1);
   void add(const BoxSizes& others);
   const std::vector<Size>& sizes() const noexcept { return sizes_; }
   /// Of sizes() that of the most boxes, which must not be empty.

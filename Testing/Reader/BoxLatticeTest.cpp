@@ -12,19 +12,6 @@ using namespace treeamr;
 namespace
 {
 
-CornerCoordinates cornersOf(const AxisBox& box)
-{
-  CornerCoordinates corners;
-  for (int o = 0; o < 8; ++o)
-  {
-    for (int a = 0; a < 3; ++a)
-    {
-      corners[a][o] = sideOf(o, a) ? box.high[a] : box.low[a];
-    }
-  }
-  return corners;
-}
-
 /// Of a level in the unit cube that begins at x, x, x.
 AxisBox cellAt(int level, Coord index, double x = 0.)
 {

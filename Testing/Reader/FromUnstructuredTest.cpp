@@ -2,6 +2,7 @@
 #include "vtkTreeAMRFromUnstructured.h"
 #include "vtkTreeAMRP4estReader.h"
 
+#include "Support/GridMakers.h"
 #include "Support/Hexahedra.h"
 #include "Support/HyperTreeGrids.h"
 #include "Support/RandomTrees.h"
@@ -16,7 +17,6 @@
 #include "vtkFieldData.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkHyperTreeGridNonOrientedCursor.h"
-#include "vtkHyperTreeGridNonOrientedGeometryCursor.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
@@ -46,56 +46,14 @@ using namespace treeamr::test;
 namespace
 {
 
-struct Result
+MadeGrid convert(vtkDataObject* input)
 {
-  vtkSmartPointer<vtkHyperTreeGrid> grid;
-  std::vector<std::string> errors;
-  std::vector<std::string> warnings;
-};
-
-Result convert(vtkDataObject* input)
-{
-  vtkNew<vtkTreeAMRFromUnstructured> filter;
-  const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
-  const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
-  filter->SetInputDataObject(input);
-  filter->Update();
-  Result result{ vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0)), errors.messages(),
-    warnings.messages() };
-  return result;
+  return makeGridBy<vtkTreeAMRFromUnstructured>(input);
 }
 
-/// Calls visit(bounds, global index) at each leaf that is not masked.
-void forEachLeaf(vtkHyperTreeGrid* grid, const std::function<void(const double*, vtkIdType)>& visit)
+std::string errorOf(vtkDataObject* input)
 {
-  vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
-  grid->InitializeTreeIterator(trees);
-  vtkIdType tree = 0;
-  while (trees.GetNextTree(tree))
-  {
-    vtkNew<vtkHyperTreeGridNonOrientedGeometryCursor> cursor;
-    grid->InitializeNonOrientedGeometryCursor(cursor, tree);
-    const std::function<void()> walk = [&] {
-      if (cursor->IsMasked())
-      {
-        return;
-      }
-      if (cursor->IsLeaf())
-      {
-        double bounds[6];
-        cursor->GetBounds(bounds);
-        visit(bounds, cursor->GetGlobalNodeIndex());
-        return;
-      }
-      for (unsigned char o = 0; o < 8; ++o)
-      {
-        cursor->ToChild(o);
-        walk();
-        cursor->ToParent();
-      }
-    };
-    walk();
-  }
+  return test::errorOf<vtkTreeAMRFromUnstructured>(input);
 }
 
 /// Calls visit(global index, those of its children that are not masked) at each coarse cell.
@@ -188,7 +146,7 @@ std::vector<CellId> patchesOf(const std::vector<CellId>& cells, Coord n)
 
 void expectRoundTrip(const std::vector<CellId>& cells, const HexahedronExport& options)
 {
-  const Result result = convert(makeHexahedra(cells, options));
+  const MadeGrid result = convert(makeHexahedra(cells, options));
   ASSERT_TRUE(result.errors.empty()) << result.errors[0];
   expectCells(result.grid, cells, options);
 }
@@ -203,19 +161,6 @@ std::vector<CellId> nineCells()
   }
   cells.push_back({ { 1, 0, 0 }, 0 });
   return cells;
-}
-
-std::string errorOf(vtkDataObject* input)
-{
-  const Result result = convert(input);
-  EXPECT_EQ(result.grid->GetNumberOfNonEmptyTrees(), 0);
-  EXPECT_EQ(result.errors.size(), 1u);
-  return result.errors.empty() ? "" : result.errors[0];
-}
-
-void expectIn(const std::string& text, const std::string& part)
-{
-  EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
 } // namespace
@@ -286,7 +231,7 @@ TEST(FromUnstructured, DeepTrees)
       options.seed = 5;
       options.origin = { -0.7, 0., 0.1 };
       SCOPED_TRACE(depth);
-      const Result result = convert(makeHexahedra(cells, options));
+      const MadeGrid result = convert(makeHexahedra(cells, options));
       if (roots == 1)
       {
         // The largest boxes are halves of the domain: there is one root of eight of them.
@@ -311,7 +256,7 @@ TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEvenOrLarge)
     options.origin = { 0.1, 0.2, 0.3 };
     options.rootSize = { 0.1, 0.1, 0.1 };
     const std::vector<CellId> cells = cellsOf(tree);
-    const Result result = convert(makeHexahedra(cells, options));
+    const MadeGrid result = convert(makeHexahedra(cells, options));
     ASSERT_TRUE(result.errors.empty()) << result.errors[0];
     expectCells(result.grid, cells, options);
     const unsigned int* const dimensions = result.grid->GetDimensions();
@@ -370,7 +315,7 @@ TEST(FromUnstructured, RoundedToSixDigits)
     }
     grid->GetPoints()->SetPoint(i, p.data());
   }
-  const Result result = convert(grid);
+  const MadeGrid result = convert(grid);
   ASSERT_TRUE(result.errors.empty()) << result.errors[0];
   options.floats = true; // not exact
   expectCells(result.grid, cells, options);
@@ -380,7 +325,7 @@ TEST(FromUnstructured, OneCellAndNone)
 {
   expectRoundTrip({ { { 0, 0, 0 }, 0 } }, {});
   vtkNew<vtkUnstructuredGrid> empty;
-  const Result none = convert(empty);
+  const MadeGrid none = convert(empty);
   EXPECT_TRUE(none.errors.empty());
   EXPECT_EQ(none.grid->GetNumberOfNonEmptyTrees(), 0);
   vtkNew<vtkMultiBlockDataSet> blocks;
@@ -427,13 +372,13 @@ TEST(FromUnstructured, CollectionsAreOneGrid)
   for (vtkDataObject* const input : { static_cast<vtkDataObject*>(blocks),
          static_cast<vtkDataObject*>(partitions), static_cast<vtkDataObject*>(collection) })
   {
-    const Result result = convert(input);
+    const MadeGrid result = convert(input);
     ASSERT_TRUE(result.errors.empty()) << result.errors[0];
     expectCells(result.grid, cells, options);
   }
   // What one block lacks is named.
   parts[1]->GetCellData()->RemoveArray("hash");
-  const Result partial = convert(blocks);
+  const MadeGrid partial = convert(blocks);
   EXPECT_TRUE(partial.errors.empty());
   ASSERT_EQ(partial.warnings.size(), 1u);
   expectIn(partial.warnings[0], "cell array 'hash' is not in block 3");
@@ -459,7 +404,7 @@ TEST(FromUnstructured, GhostsAreLeftOut)
                                    : 0);
   }
   input->GetCellData()->AddArray(ghosts);
-  const Result result = convert(input);
+  const MadeGrid result = convert(input);
   std::vector<int> numbers;
   forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
     numbers.push_back(static_cast<int>(result.grid->GetCellData()->GetArray("number")->GetComponent(id, 0)));
@@ -497,7 +442,7 @@ TEST(FromUnstructured, ArraysKeepTheirTypes)
   time->SetName("TimeValue");
   time->InsertNextValue(2.5);
   input->GetFieldData()->AddArray(time);
-  const Result result = convert(input);
+  const MadeGrid result = convert(input);
   vtkCellData* const out = result.grid->GetCellData();
   EXPECT_STREQ(out->GetScalars()->GetName(), "hash");
   EXPECT_TRUE(result.grid->GetFieldData()->HasArray("TimeValue"));
@@ -544,7 +489,7 @@ TEST(FromUnstructured, CoarseCellsHaveTheMeanOfTheirChildren)
     ASSERT_GT(cells.size(), 4u << 14);
     HexahedronExport options;
     options.seed = 2;
-    const Result result = convert(makeHexahedra(cells, options));
+    const MadeGrid result = convert(makeHexahedra(cells, options));
     expectCells(result.grid, cells, options);
     EXPECT_EQ(result.grid->HasMask(), missing > 0.);
     vtkDataArray* const hash = result.grid->GetCellData()->GetArray("hash");
@@ -593,7 +538,7 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
   number->SetName("number");
   input->GetPointData()->AddArray(number);
 
-  const Result result = convert(input);
+  const MadeGrid result = convert(input);
   ASSERT_EQ(result.warnings.size(), 1u);
   expectIn(result.warnings[0], "averaged to the cells: x, points10, points6, points3.");
   vtkNew<vtkPointDataToCellData> averages;

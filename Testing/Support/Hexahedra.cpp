@@ -35,6 +35,23 @@ double hashOf(int number, int component)
   return (h ^ h >> 13) / 3.;
 }
 
+void addNumbers(vtkCellData* data, const std::vector<int>& numbers)
+{
+  vtkNew<vtkIntArray> array;
+  array->SetName("number");
+  vtkNew<vtkDoubleArray> hashes;
+  hashes->SetName("hash");
+  hashes->SetNumberOfComponents(3);
+  hashes->SetComponentName(1, "second");
+  for (const int number : numbers)
+  {
+    array->InsertNextValue(number);
+    hashes->InsertNextTuple3(hashOf(number, 0), hashOf(number, 1), hashOf(number, 2));
+  }
+  data->AddArray(array);
+  data->AddArray(hashes);
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
   const std::vector<CellId>& cells, const HexahedronExport& options)
 {
@@ -52,12 +69,6 @@ vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
 
   vtkNew<vtkPoints> points;
   points->SetDataType(options.floats ? VTK_FLOAT : VTK_DOUBLE);
-  vtkNew<vtkIntArray> numbers;
-  numbers->SetName("number");
-  vtkNew<vtkDoubleArray> hashes;
-  hashes->SetName("hash");
-  hashes->SetNumberOfComponents(3);
-  hashes->SetComponentName(1, "second");
   vtkNew<vtkDoubleArray> x;
   x->SetName("x");
   const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
@@ -92,8 +103,6 @@ vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
       std::ranges::transform(corners, list.begin(), [&](int o) { return ids[o]; });
     }
     grid->InsertNextCell(options.voxels ? VTK_VOXEL : VTK_HEXAHEDRON, 8, list.data());
-    numbers->InsertNextValue(number);
-    hashes->InsertNextTuple3(hashOf(number, 0), hashOf(number, 1), hashOf(number, 2));
   }
   for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
   {
@@ -103,8 +112,7 @@ vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
   {
     grid->GetCells()->ConvertTo32BitStorage();
   }
-  grid->GetCellData()->AddArray(numbers);
-  grid->GetCellData()->AddArray(hashes);
+  addNumbers(grid->GetCellData(), order);
   grid->GetPointData()->AddArray(x);
   return grid;
 }

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+class vtkCellData;
 class vtkUnstructuredGrid;
 
 namespace treeamr::test
@@ -26,12 +27,13 @@ struct HexahedronExport
   int duplicates = 0;     // cells that come twice
 };
 
-/// Cell array "number" (int) is the place in the list; "hash" (double, 3 components) is hashes of that; point array "x"
-/// (double) is the coordinate.
-vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
-  const std::vector<CellId>& cells, const HexahedronExport& options);
-
+/// "number" (int), and "hash" (double, 3 components) that belongs to it.
+void addNumbers(vtkCellData* data, const std::vector<int>& numbers);
 /// Component of "hash".
 double hashOf(int number, int component);
+
+/// With numbers, the places in the list; point array "x" (double) is the coordinate.
+vtkSmartPointer<vtkUnstructuredGrid> makeHexahedra(
+  const std::vector<CellId>& cells, const HexahedronExport& options);
 
 } // namespace treeamr::test

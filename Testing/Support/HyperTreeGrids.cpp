@@ -413,6 +413,38 @@ std::vector<DrawnCell> drawnCells(const Field& field)
   return cells;
 }
 
+void forEachLeaf(vtkHyperTreeGrid* grid, const std::function<void(const double*, vtkIdType)>& visit)
+{
+  vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
+  grid->InitializeTreeIterator(trees);
+  vtkIdType tree = 0;
+  while (trees.GetNextTree(tree))
+  {
+    vtkNew<vtkHyperTreeGridNonOrientedGeometryCursor> cursor;
+    grid->InitializeNonOrientedGeometryCursor(cursor, tree);
+    const std::function<void()> walk = [&] {
+      if (cursor->IsMasked())
+      {
+        return;
+      }
+      if (cursor->IsLeaf())
+      {
+        double bounds[6];
+        cursor->GetBounds(bounds);
+        visit(bounds, cursor->GetGlobalNodeIndex());
+        return;
+      }
+      for (unsigned char o = 0; o < 8; ++o)
+      {
+        cursor->ToChild(o);
+        walk();
+        cursor->ToParent();
+      }
+    };
+    walk();
+  }
+}
+
 MessageCatcher::MessageCatcher(vtkObject* object, unsigned long event)
   : object_(object)
 {

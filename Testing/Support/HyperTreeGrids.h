@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,9 @@ struct DrawnCell
 std::vector<DrawnCell> drawnCells(vtkHyperTreeGrid* grid, const std::string& array, int component = -1);
 /// The leaves of a field's octree, sorted by bounds.
 std::vector<DrawnCell> drawnCells(const Field& field);
+
+/// Calls visit(bounds, global index) at each leaf that is not masked; bounds: xmin, xmax, ymin ...
+void forEachLeaf(vtkHyperTreeGrid* grid, const std::function<void(const double*, vtkIdType)>& visit);
 
 /// Collects what an object reports with vtkErrorMacro (or vtkWarningMacro) instead of printing it.
 class MessageCatcher

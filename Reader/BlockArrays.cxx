@@ -1,4 +1,4 @@
-#include "HexahedronArrays.h"
+#include "BlockArrays.h"
 
 #include "Error.h"
 #include "Prefetch.h"
@@ -6,9 +6,10 @@
 #include "vtkAbstractArray.h"
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
+#include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkPointData.h"
-#include "vtkUnstructuredGrid.h"
+#include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
 #include <mutex>
@@ -20,15 +21,20 @@ namespace treeamr
 namespace
 {
 
-vtkDataSetAttributes* attributesOf(const HexahedronBlock& block, bool ofPoints)
+vtkDataSetAttributes* attributesOf(const NamedDataSet& block, bool ofPoints)
 {
-  return ofPoints ? static_cast<vtkDataSetAttributes*>(block.grid()->GetPointData())
-                  : block.grid()->GetCellData();
+  return ofPoints ? static_cast<vtkDataSetAttributes*>(block.data->GetPointData())
+                  : block.data->GetCellData();
 }
 
-vtkAbstractArray* arrayOf(const HexahedronBlock& block, const HexahedronArray& array)
+vtkAbstractArray* arrayOf(const NamedDataSet& block, const BlockArray& array)
 {
   return attributesOf(block, array.ofPoints)->GetAbstractArray(array.name.c_str());
+}
+
+std::string prefixOf(const NamedDataSet& block)
+{
+  return block.name.empty() ? "" : block.name + ": ";
 }
 
 void copyNames(vtkAbstractArray* from, vtkAbstractArray* to)
@@ -49,10 +55,10 @@ using TypedArray = vtkAOSDataArrayTemplate<T>;
 /// By block; arrays that do not hold their values one after the other are copied so.
 template <class T>
 std::vector<vtkSmartPointer<TypedArray<T>>> typedArrays(
-  const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array)
+  const std::vector<NamedDataSet>& blocks, const BlockArray& array)
 {
   std::vector<vtkSmartPointer<TypedArray<T>>> arrays;
-  for (const HexahedronBlock& block : blocks)
+  for (const NamedDataSet& block : blocks)
   {
     vtkAbstractArray* const found = arrayOf(block, array);
     vtkSmartPointer<TypedArray<T>> typed = TypedArray<T>::FastDownCast(found);
@@ -71,7 +77,7 @@ template <class T>
 class CellFiller : public BlendedFiller<T>
 {
 public:
-  CellFiller(const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+  CellFiller(const std::vector<NamedDataSet>& blocks, const BlockArray& array, vtkIdType nodes)
     : BlendedFiller<T>(array.name.c_str(), arrayOf(blocks.front(), array)->GetNumberOfComponents(), nodes,
         arrayOf(blocks.front(), array)->GetDataType())
     , arrays_(typedArrays<T>(blocks, array))
@@ -106,25 +112,25 @@ template <class T>
 class PointMeanFiller : public BlendedFiller<MeanType<T>>
 {
 public:
-  PointMeanFiller(const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+  PointMeanFiller(const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes)
     : BlendedFiller<MeanType<T>>(
-        array.name.c_str(), arrayOf(blocks.front(), array)->GetNumberOfComponents(), nodes)
-    , blocks_(blocks)
-    , arrays_(typedArrays<T>(blocks, array))
+        array.name.c_str(), arrayOf(arrays.blocks.front(), array)->GetNumberOfComponents(), nodes)
+    , points_(arrays.points)
+    , arrays_(typedArrays<T>(arrays.blocks, array))
   {
-    copyNames(arrayOf(blocks.front(), array), this->array());
+    copyNames(arrayOf(arrays.blocks.front(), array), this->array());
   }
   void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
   {
     const CellNumber number(leaf.number);
     const T* const values = arrays_[number.block()]->GetPointer(0);
     MeanType<T>* const mean = this->tuple(node);
+    const std::array<vtkIdType, 8> points = points_(number);
     for (int c = 0; c < this->components_; ++c)
     {
       double sum = 0.;
-      for (int corner = 0; corner < 8; ++corner)
+      for (const vtkIdType point : points)
       {
-        const vtkIdType point = blocks_[number.block()].point(number.cell(), corner);
         sum += static_cast<double>(values[point * this->components_ + c]);
       }
       mean[c] = static_cast<MeanType<T>>(sum / 8.);
@@ -132,7 +138,7 @@ public:
   }
 
 private:
-  const std::vector<HexahedronBlock>& blocks_;
+  const CellPoints& points_;
   std::vector<vtkSmartPointer<TypedArray<T>>> arrays_; // by block
 };
 
@@ -140,10 +146,10 @@ private:
 class AnyFiller : public CellArrayFiller
 {
 public:
-  AnyFiller(const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+  AnyFiller(const std::vector<NamedDataSet>& blocks, const BlockArray& array, vtkIdType nodes)
     : array_(vtk::TakeSmartPointer(arrayOf(blocks.front(), array)->NewInstance()))
   {
-    for (const HexahedronBlock& block : blocks)
+    for (const NamedDataSet& block : blocks)
     {
       sources_.push_back(arrayOf(block, array));
     }
@@ -180,24 +186,25 @@ private:
 };
 
 /// Adds the names of the arrays that all blocks have alike.
-void addArrays(const std::vector<HexahedronBlock>& blocks, bool ofPoints, HexahedronArrays& result)
+void addArrays(bool ofPoints, BlockArrays& result)
 {
+  const std::vector<NamedDataSet>& blocks = result.blocks;
   const std::string kind = ofPoints ? "point" : "cell";
-  for (const HexahedronBlock& block : blocks)
+  for (const NamedDataSet& block : blocks)
   {
     vtkDataSetAttributes* const attributes = attributesOf(block, ofPoints);
     for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
     {
       vtkAbstractArray* const array = attributes->GetAbstractArray(i);
       const std::string name = array->GetName() ? array->GetName() : "";
-      const auto isKnown = [&](const HexahedronArray& known) { return known.name == name; };
+      const auto isKnown = [&](const BlockArray& known) { return known.name == name; };
       if (name == vtkDataSetAttributes::GhostArrayName() || std::ranges::any_of(result.arrays, isKnown) ||
         std::ranges::any_of(result.leftOut,
           [&](const std::string& text) { return text.starts_with(kind + " array '" + name + "'"); }))
       {
         continue;
       }
-      const HexahedronArray candidate{ name, ofPoints };
+      const BlockArray candidate{ name, ofPoints };
       std::string objection;
       if (name.empty())
       {
@@ -207,21 +214,21 @@ void addArrays(const std::vector<HexahedronBlock>& blocks, bool ofPoints, Hexahe
       {
         objection = "has no mean, for it is a " + std::string(array->GetClassName());
       }
-      for (const HexahedronBlock& other : blocks)
+      for (const NamedDataSet& other : blocks)
       {
         vtkAbstractArray* const same = objection.empty() ? arrayOf(other, candidate) : nullptr;
         if (objection.empty() &&
           (!same || same->GetDataType() != array->GetDataType() ||
             same->GetNumberOfComponents() != array->GetNumberOfComponents()))
         {
-          objection = (same ? "is of another type in " : "is not in ") + other.name();
+          objection = (same ? "is of another type in " : "is not in ") + other.name;
         }
-        const vtkIdType needed = ofPoints ? other.pointCount() : other.cellCount();
+        const vtkIdType needed = ofPoints ? other.data->GetNumberOfPoints() : other.data->GetNumberOfCells();
         if (same && same->GetNumberOfTuples() < needed)
         {
-          throw Error((other.name().empty() ? "" : other.name() + ": ") + kind + " array '" + name +
-            "' has " + std::to_string(same->GetNumberOfTuples()) + " tuples, allowed are " +
-            std::to_string(needed) + ", one a " + kind);
+          throw Error(prefixOf(other) + kind + " array '" + name + "' has " +
+            std::to_string(same->GetNumberOfTuples()) + " tuples, allowed are " + std::to_string(needed) +
+            ", one a " + kind);
         }
       }
       if (objection.empty())
@@ -242,16 +249,16 @@ void addArrays(const std::vector<HexahedronBlock>& blocks, bool ofPoints, Hexahe
 
 } // namespace
 
-HexahedronArrays arraysOf(const std::vector<HexahedronBlock>& blocks)
+BlockArrays arraysOf(std::vector<NamedDataSet> blocks, CellPoints points)
 {
-  HexahedronArrays result;
-  addArrays(blocks, false, result);
+  BlockArrays result{ std::move(blocks), std::move(points), {}, {}, {} };
+  addArrays(false, result);
   const auto cellArrays = result.arrays.size();
-  addArrays(blocks, true, result);
+  addArrays(true, result);
   for (const bool ofPoints : { true, false }) // those of cells come before
   {
-    vtkDataArray* const scalars = attributesOf(blocks.front(), ofPoints)->GetScalars();
-    const auto found = std::ranges::find_if(result.arrays, [&](const HexahedronArray& array) {
+    vtkDataArray* const scalars = attributesOf(result.blocks.front(), ofPoints)->GetScalars();
+    const auto found = std::ranges::find_if(result.arrays, [&](const BlockArray& array) {
       return scalars && scalars->GetName() && array.name == scalars->GetName() && array.ofPoints == ofPoints;
     });
     if (found != result.arrays.end() && (!ofPoints || cellArrays == 0))
@@ -263,16 +270,28 @@ HexahedronArrays arraysOf(const std::vector<HexahedronBlock>& blocks)
 }
 
 std::unique_ptr<CellArrayFiller> makeFiller(
-  const std::vector<HexahedronBlock>& blocks, const HexahedronArray& array, vtkIdType nodes)
+  const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes)
 {
-  switch (arrayOf(blocks.front(), array)->GetDataType())
+  switch (arrayOf(arrays.blocks.front(), array)->GetDataType())
   {
     vtkTemplateMacro(
-      if (array.ofPoints) return std::make_unique<PointMeanFiller<VTK_TT>>(blocks, array, nodes);
-      return std::make_unique<CellFiller<VTK_TT>>(blocks, array, nodes));
+      if (array.ofPoints) return std::make_unique<PointMeanFiller<VTK_TT>>(arrays, array, nodes);
+      return std::make_unique<CellFiller<VTK_TT>>(arrays.blocks, array, nodes));
     default:
-      return std::make_unique<AnyFiller>(blocks, array, nodes);
+      return std::make_unique<AnyFiller>(arrays.blocks, array, nodes);
   }
+}
+
+const unsigned char* cellGhosts(const NamedDataSet& block)
+{
+  vtkUnsignedCharArray* const ghosts = block.data->GetCellGhostArray();
+  const vtkIdType cells = block.data->GetNumberOfCells();
+  if (ghosts && ghosts->GetNumberOfTuples() < cells)
+  {
+    throw Error(prefixOf(block) + "vtkGhostType has " + std::to_string(ghosts->GetNumberOfTuples()) +
+      " tuples, allowed are " + std::to_string(cells) + ", one a cell");
+  }
+  return ghosts && cells > 0 ? ghosts->GetPointer(0) : nullptr;
 }
 
 } // namespace treeamr

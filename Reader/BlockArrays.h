@@ -1,0 +1,57 @@
+// The arrays of data sets, whose cells become those of one grid (ParallelGridBuilder.h), as its cell arrays. Private to
+// the module.
+#pragma once
+
+#include "CellArrayFillers.h"
+#include "CellNumber.h"
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+class vtkDataSet;
+
+namespace treeamr
+{
+
+/// name: for messages, empty when there is no other.
+struct NamedDataSet
+{
+  vtkDataSet* data;
+  std::string name;
+};
+
+/// The points of a cell, called from several threads.
+using CellPoints = std::function<std::array<vtkIdType, 8>(const CellNumber&)>;
+
+/// An array that all blocks have.
+struct BlockArray
+{
+  std::string name;
+  bool ofPoints; // else of cells
+};
+
+struct BlockArrays
+{
+  std::vector<NamedDataSet> blocks;
+  CellPoints points;
+  std::vector<BlockArray> arrays;    // the active scalars first
+  std::vector<std::string> averaged; // names of those of points
+  std::vector<std::string> leftOut;  // what is wrong with others
+};
+
+/// Cell arrays by name, and those of points that no cell array has the name of. Without vtkGhostType, which says what cells
+/// are left out. blocks: one or more. Throws Error for an array of fewer tuples than cells or points.
+BlockArrays arraysOf(std::vector<NamedDataSet> blocks, CellPoints points);
+
+/// A cell has its own value, or the mean of its points' as vtkPointDataToCellData makes it, of integers in float. arrays must
+/// outlive the filler, which gets a leaf's CellNumber as its number and may be called from several threads.
+std::unique_ptr<CellArrayFiller> makeFiller(
+  const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes);
+
+/// What vtkGhostType says of a block's cells, null when there is none. Throws Error for one of fewer tuples than cells.
+const unsigned char* cellGhosts(const NamedDataSet& block);
+
+} // namespace treeamr

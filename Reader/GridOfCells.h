@@ -1,0 +1,43 @@
+// A vtkHyperTreeGrid of cells on a lattice and the arrays they come with. Private to the module.
+#pragma once
+
+#include "BlockArrays.h"
+#include "Forest/BoxLattice.h"
+#include "ParallelGridBuilder.h"
+
+#include "Octree/RootGrid.h"
+
+namespace treeamr
+{
+
+/// Depth of the roots below the padded one, for SortedCells.
+inline int paddingOf(const BoxLattice& lattice)
+{
+  return RootGrid(lattice.planes()).paddingDepth();
+}
+
+/// Calls body.operator()<Keys>() with the shortest keys that the lattice's cells have room in.
+template <class Body>
+auto withKeys(const BoxLattice& lattice, const Body& body)
+{
+  using ShortKeys = MortonKeys<std::uint64_t>;
+  return paddingOf(lattice) + lattice.deepest() <= ShortKeys::maxDepth
+    ? body.template operator()<ShortKeys>()
+    : body.template operator()<MortonKeys<WideKey>>();
+}
+
+/// cells: with their CellNumbers, disjoint, sorted. grid: an empty one.
+template <class Keys>
+void buildGrid(const SortedCells<Keys, std::uint64_t>& cells, const BoxLattice& lattice,
+  const BlockArrays& arrays, vtkHyperTreeGrid* grid)
+{
+  setLattice(grid, lattice.planes());
+  ParallelGridBuilder<Keys> builder(cells);
+  for (const BlockArray& array : arrays.arrays)
+  {
+    builder.addArray(makeFiller(arrays, array, builder.nodeCount()));
+  }
+  builder.build(grid);
+}
+
+} // namespace treeamr
