@@ -320,6 +320,52 @@ grid.GetCellData().AddArray(array)
             self.assertIn("xyz", grid.CellData.keys())
             yield grid
 
+    def test_overlapping_amr(self):
+        """Blocks with layers of copies are drawn as ParaView's Surface and as hexahedra of those without."""
+        array = ("CELLS", "Fractal Volume Fraction")
+        options = {"TwoDimensional": 0, "Dimensions": 6, "MaximumLevel": 2, "Asymetric": 0}
+        blocks = simple.HierarchicalFractal(GhostLevels=1, **options)
+        alone = simple.HierarchicalFractal(GhostLevels=0, **options)
+        hexahedra = simple.MergeBlocks(Input=simple.ConvertAMRdatasettoMultiblock(Input=alone))
+        self.assertTrue(self.is_offered("TreeAMRFromOverlappingAMR", blocks))
+        self.assertFalse(self.is_offered("TreeAMRFromOverlappingAMR", hexahedra))
+        all_kinds = ("Surface", "Tree AMR Volume", "Tree AMR Isosurface")
+        pictures = {
+            name: self.amr_pictures(name, source, array, kinds)
+            for name, source, kinds in (
+                ("blocks", alone, ("Surface",)),
+                ("tree", simple.TreeAMRFromOverlappingAMR(Input=blocks), all_kinds),
+                ("hexahedra", simple.TreeAMRFromUnstructured(Input=hexahedra), all_kinds))}
+        for others in pictures.values():
+            for images in zip(pictures["hexahedra"], others):
+                self.assertGreater(scene.drawn(images[0]).mean(), 0.02)
+                self.assertTrue(scene.close(images))
+
+    def amr_pictures(self, name, source, array, representations):
+        source.UpdatePipeline()
+        simple.HideAll(self.view)
+        self.representation = simple.Show(source, self.view)
+        simple.ColorBy(self.representation, array)
+        scene.look(self.view)
+        pictures = []
+        for kind in representations:
+            self.representation.SetRepresentationType(kind)
+            if kind == "Tree AMR Isosurface":
+                self.representation.IsosurfaceArray = array
+                self.representation.Isovalues = [1]
+            pictures.append(self.picture(f"amr-{name}-{kind.split()[-1]}"))
+        return pictures
+
+    @staticmethod
+    def is_offered(name, source):
+        """Whether ParaView's menu has a filter for what a source gives."""
+        source.UpdatePipeline()
+        prototype = servermanager.ProxyManager().GetPrototypeProxy("filters", name)
+        prototype.GetProperty("Input").AddUncheckedInputConnection(source.SMProxy, 0)
+        offered = prototype.GetProperty("Input").IsInDomains()
+        prototype.GetProperty("Input").RemoveAllUncheckedProxies()
+        return bool(offered)
+
     def test_group_of_one(self):
         self.show()
         alone = self.picture("alone")
