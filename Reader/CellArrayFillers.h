@@ -117,6 +117,37 @@ private:
   std::size_t offset_;
 };
 
+/// Sums of a payload's values, each times its weight.
+template <class T>
+class SumFiller : public BlendedFiller<T>
+{
+public:
+  SumFiller(const PayloadField& field, vtkIdType nodes)
+    : BlendedFiller<T>(field.name.c_str(), field.components, nodes)
+    , field_(field)
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    const std::byte* const values = leaf.payload + field_.offset;
+    T* const tuple = this->tuple(node);
+    for (int c = 0; c < this->components_; ++c)
+    {
+      double sum = 0.;
+      for (const PayloadField::Term& term : field_.sums[c])
+      {
+        T value;
+        std::memcpy(&value, values + term.index * sizeof(T), sizeof(T));
+        sum += term.weight * value;
+      }
+      tuple[c] = static_cast<T>(sum);
+    }
+  }
+
+private:
+  PayloadField field_;
+};
+
 class LevelFiller : public TypedFiller<unsigned char>
 {
 public:
@@ -150,6 +181,14 @@ public:
 
 inline std::unique_ptr<CellArrayFiller> makeFiller(const PayloadField& field, vtkIdType nodes)
 {
+  if (!field.sums.empty())
+  {
+    if (field.type == PayloadType::Float32)
+    {
+      return std::make_unique<SumFiller<float>>(field, nodes);
+    }
+    return std::make_unique<SumFiller<double>>(field, nodes);
+  }
   switch (field.type)
   {
     case PayloadType::Int8:

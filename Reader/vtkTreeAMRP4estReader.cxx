@@ -3,10 +3,8 @@
 
 #include "CellArrayFillers.h"
 #include "Error.h"
-#include "Forest/P4estForestFile.h"
+#include "Forest/ForestInput.h"
 #include "Forest/P4estTreeLattice.h"
-#include "Forest/PayloadGuess.h"
-#include "Forest/PayloadLayout.h"
 #include "Forest/QuadrantArrays.h"
 #include "HyperTreeGridBuilder.h"
 
@@ -34,7 +32,6 @@ namespace
 
 using treeamr::P4estForestFile;
 using treeamr::PayloadField;
-using treeamr::PayloadType;
 
 std::vector<std::uint64_t> NodeCounts(const P4estForestFile& file)
 {
@@ -56,75 +53,6 @@ std::string RemarkOnPlaces(const P4estForestFile& file, const treeamr::UnitBoxes
     ? "it says how its trees are joined but not where they are, so that they are unit cubes: set Origin and "
       "Spacing to where the first one begins and how wide each is. "
     : "";
-}
-
-// A layout that fits the size, to show what the property wants.
-std::string ExamplePayload(std::size_t size)
-{
-  for (const auto& [type, bytes] : { std::pair("double", 8), std::pair("float", 4), std::pair("char", 1) })
-  {
-    if (size % bytes == 0)
-    {
-      const std::size_t count = size / bytes;
-      return std::string(type) + (count > 1 ? " value[" + std::to_string(count) + "]" : " value");
-    }
-  }
-  return {};
-}
-
-// What a quadrant's bytes are read as, and what the user should know of it.
-struct PayloadReading
-{
-  std::vector<PayloadField> fields;
-  std::string remark;
-};
-
-// Without a layout.
-PayloadReading GuessPayload(const P4estForestFile& file)
-{
-  const std::size_t size = file.payloadSize();
-  if (size == 0)
-  {
-    return {};
-  }
-  const std::string bytes = "the " + std::to_string(size) + " bytes of each quadrant are ";
-  if (size != sizeof(double))
-  {
-    return { {},
-      bytes + "left out, for their layout is unknown: set Payload to it, for example \"" +
-        ExamplePayload(size) + "\"." };
-  }
-  constexpr std::uint64_t sampleSize = std::uint64_t(1) << 16; // 1.5 MiB
-  treeamr::DoubleGuess guess;
-  file.samplePayloads(sampleSize, [&guess](const std::byte* payload) { guess.add(payload); });
-  const std::string objection = guess.objection();
-  if (objection.empty())
-  {
-    return { { { "value", PayloadType::Float64, 1, 0 } },
-      bytes +
-        "read as \"double value\", which they look like: set Payload to say so, or what else they are." };
-  }
-  return { {},
-    bytes + "left out, for it is unknown what they are: read as double they " + objection +
-      ". Set Payload to their layout, for example \"double value\", \"long value\" or \"float value[2]\"." };
-}
-
-// Throws Error when the layout does not describe what the file holds.
-PayloadReading ReadPayload(const P4estForestFile& file, const std::string& text)
-{
-  if (text.empty())
-  {
-    return GuessPayload(file);
-  }
-  const treeamr::PayloadLayout layout = treeamr::PayloadLayout::parse(text);
-  if (layout.size() != file.payloadSize())
-  {
-    throw treeamr::Error(file.path() + ": payload \"" + text + "\" takes " + std::to_string(layout.size()) +
-      " bytes, allowed the " + std::to_string(file.payloadSize()) + " bytes per quadrant of the file" +
-      (file.payloadSize() == 0 ? "; leave Payload empty for forests saved without data"
-                               : "; name all members of the struct, with pad[n] for bytes to leave out"));
-  }
-  return { layout.fields(), {} };
 }
 
 // Of a text property.
@@ -321,7 +249,7 @@ void vtkTreeAMRP4estReader::Remark(const std::string& path, const std::string& r
 
 int vtkTreeAMRP4estReader::CanReadFile(const char* fileName)
 {
-  return fileName && P4estForestFile::hasMagic(fileName) ? 1 : 0;
+  return fileName && treeamr::ForestInput::canRead(fileName) ? 1 : 0;
 }
 
 int vtkTreeAMRP4estReader::FillOutputPortInformation(int, vtkInformation* info)
@@ -342,12 +270,12 @@ int vtkTreeAMRP4estReader::RequestInformation(
     if (!payload.empty()) // the file is not asked
     {
       this->SetSelectableArrays(
-        ArrayNames(treeamr::PayloadLayout::parse(payload).fields(), ofFiles, this->GenerateLevel));
+        ArrayNames(treeamr::ForestInput::fieldsOf(fileName, payload), ofFiles, this->GenerateLevel));
     }
     else if (!fileName.empty())
     {
       this->SetSelectableArrays(
-        ArrayNames(GuessPayload(P4estForestFile(fileName)).fields, ofFiles, this->GenerateLevel));
+        ArrayNames(treeamr::ForestInput(fileName).readPayload(payload).fields, ofFiles, this->GenerateLevel));
     }
   }
   catch (const std::exception&)
@@ -372,7 +300,7 @@ int vtkTreeAMRP4estReader::RequestData(
   if (!this->FileName || !*this->FileName)
   {
     this->ErrorCode = vtkErrorCode::NoFileNameError;
-    vtkErrorMacro("FileName is not set; allowed are forests saved by p8est_save.");
+    vtkErrorMacro("FileName is not set; allowed are forests saved by p8est_save, and deal.II's NAME.info.");
     return 1;
   }
   this->ErrorCode = vtkErrorCode::FileFormatError;
@@ -396,7 +324,8 @@ int vtkTreeAMRP4estReader::RequestData(
 
 void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
 {
-  const P4estForestFile file(this->FileName);
+  const treeamr::ForestInput input(this->FileName);
+  const P4estForestFile& file = input.forest();
   treeamr::UnitBoxes boxes;
   std::copy_n(this->Origin, 3, boxes.origin.begin());
   std::copy_n(this->Spacing, 3, boxes.spacing.begin());
@@ -404,12 +333,13 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   treeamr::HyperTreeGridBuilder builder(grid, lattice, NodeCounts(file), file.path());
   const vtkIdType nodes = builder.nodeCount();
 
-  const PayloadReading payload = ReadPayload(file, TextOf(this->Payload));
+  const treeamr::PayloadReading payload = input.readPayload(TextOf(this->Payload));
   this->Remark(file.path(), RemarkOnPlaces(file, boxes) + payload.remark);
 
   const auto ofFiles = treeamr::parseQuadrantArrays(TextOf(this->QuadrantArrays));
   const std::vector<std::string> names = ArrayNames(payload.fields, ofFiles, this->GenerateLevel);
   this->WarnOfUnknownArrays(file.path(), names);
+  bool withPayload = false;
   for (const std::string& name : names)
   {
     if (!this->IsSelected(name))
@@ -419,6 +349,7 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
     const auto field = std::ranges::find(payload.fields, name, &PayloadField::name);
     if (field != payload.fields.end())
     {
+      withPayload = true;
       builder.addArray(treeamr::makeFiller(*field, nodes));
     }
     else if (const auto array =
@@ -439,7 +370,7 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   }
 
   const std::uint64_t progressStep = file.quadrantCount() / 50 + 1;
-  file.visitQuadrants([&](const treeamr::TreeLeaf& leaf) {
+  input.visitQuadrants(withPayload, [&](const treeamr::TreeLeaf& leaf) {
     builder.add(leaf);
     if ((leaf.number + 1) % progressStep == 0)
     {

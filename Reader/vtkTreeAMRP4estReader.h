@@ -1,6 +1,6 @@
 /**
  * @class   vtkTreeAMRP4estReader
- * @brief   reads forests saved by p8est_save into a vtkHyperTreeGrid
+ * @brief   reads forests saved by p8est_save, also those of deal.II, into a vtkHyperTreeGrid
  *
  * One hyper tree per tree of the forest, branch factor 2, one vertex per quadrant and ancestor. The trees
  * must be axis-aligned boxes on one rectilinear lattice, such as unit cube and brick connectivities, turned or reflected
@@ -14,6 +14,12 @@
  * their values look like doubles; anything else is left out. A warning says either.
  *
  * What programs keep in files of their own, one value or several for each quadrant, QuadrantArrays names.
+ *
+ * A FileName of NAME.info, or of NAME with NAME.info beside it, is a checkpoint of deal.II (`Triangulation::save`): NAME is
+ * a forest without payloads, NAME_fixed.data has blocks of bytes for each cell. Here Payload says what each block is, for
+ * example `double solution = FE_Q(2); skip; unsigned material` (DealIIBlocks.h has the grammar): arrays have the mean over
+ * each cell of functions of finite elements. Without a Payload, blocks of 8 and 64 bytes are read as FE_DGQ(0) and FE_Q(1)
+ * if their values look like doubles. A warning says so and lists the blocks.
  *
  * The cell data selection has the arrays there are, all of them on: those that are off take neither memory
  * nor time. Turn an array off before UpdateInformation() has told of it, and it stays off. When some are off
@@ -52,8 +58,8 @@ public:
 
   ///@{
   /**
-   * The members of a quadrant's payload, as C declarations, after the word packed those of a packed struct; empty by
-   * default.
+   * The members of a quadrant's payload, as C declarations, after the word packed those of a packed struct, or what deal.II
+   * attached to each cell; empty by default.
    */
   vtkSetStringMacro(Payload);
   vtkGetStringMacro(Payload);

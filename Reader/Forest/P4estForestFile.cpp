@@ -476,21 +476,8 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
 void P4estForestFile::samplePayloads(
   std::uint64_t count, const std::function<void(const std::byte*)>& visit) const
 {
-  const bool all = quadrantCount() <= count;
-  const std::uint64_t blocks = all ? 1 : 64;
-  const std::uint64_t blockQuadrants = all ? quadrantCount() : count / blocks;
-  const std::size_t recordBytes = sizeof(Record) + payloadSize_;
-  P4estInputFile file(path_);
-  std::vector<std::byte> block(blockQuadrants * recordBytes);
-  for (std::uint64_t b = 0; b < blocks; ++b)
-  {
-    file.seek(quadrantsOffset_ + b * ((quadrantCount() - blockQuadrants) / blocks) * recordBytes);
-    file.read(block.data(), block.size(), "quadrants");
-    for (std::uint64_t i = 0; i < blockQuadrants; ++i)
-    {
-      visit(block.data() + i * recordBytes + sizeof(Record));
-    }
-  }
+  P4estInputFile(path_).sampleRecords(quadrantsOffset_, sizeof(Record) + payloadSize_, quadrantCount(), count,
+    "quadrants", [&visit](const std::byte* record) { visit(record + sizeof(Record)); });
 }
 
 } // namespace treeamr

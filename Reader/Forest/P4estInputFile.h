@@ -4,6 +4,7 @@
 #include "Error.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -82,6 +83,26 @@ public:
       for (std::size_t i = 0; i < n; ++i)
       {
         visit(first + i, block[i]);
+      }
+    }
+  }
+
+  /// Visits all records of a table at an offset or, when these are more than `count`, about as many in blocks spread over it.
+  template <class Visit>
+  void sampleRecords(std::uint64_t offset, std::size_t recordBytes, std::uint64_t records,
+    std::uint64_t count, std::string_view section, const Visit& visit)
+  {
+    const bool all = records <= count;
+    const std::uint64_t blocks = all ? 1 : 64;
+    const std::uint64_t blockRecords = all ? records : count / blocks;
+    std::vector<std::byte> block(blockRecords * recordBytes);
+    for (std::uint64_t b = 0; b < blocks; ++b)
+    {
+      seek(offset + b * ((records - blockRecords) / blocks) * recordBytes);
+      read(block.data(), block.size(), section);
+      for (std::uint64_t i = 0; i < blockRecords; ++i)
+      {
+        visit(block.data() + i * recordBytes);
       }
     }
   }

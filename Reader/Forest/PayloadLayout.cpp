@@ -5,10 +5,10 @@
 #include "Forest/PayloadLayout.h"
 
 #include "Error.h"
+#include "Forest/TextTokens.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
 namespace treeamr
@@ -72,15 +72,6 @@ const TypeName* findType(std::string_view name)
   return found == typeNames.end() ? nullptr : &*found;
 }
 
-constexpr bool isWordCharacter(char c)
-{
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
-constexpr bool isDigit(char c)
-{
-  return c >= '0' && c <= '9';
-}
-
 } // namespace
 
 std::size_t payloadTypeSize(PayloadType type) noexcept
@@ -90,14 +81,10 @@ std::size_t payloadTypeSize(PayloadType type) noexcept
   return sizes[static_cast<std::size_t>(type)];
 }
 
-class PayloadParser
+class PayloadParser : TextTokens
 {
 public:
-  explicit PayloadParser(std::string_view text)
-    : text_(text)
-  {
-    next();
-  }
+  using TextTokens::TextTokens;
 
   PayloadLayout parse()
   {
@@ -123,34 +110,6 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(const std::string& allowed) const
-  {
-    const auto position = static_cast<std::size_t>(token_.data() - text_.data()) + 1;
-    throw Error("payload \"" + std::string(text_) + "\", position " + std::to_string(position) + ": " +
-      (token_.empty() ? "the end" : "\"" + std::string(token_) + "\"") + ", allowed " + allowed);
-  }
-
-  /// The next token: a word of letters, digits and underscores, or any single other character.
-  void next()
-  {
-    const char* at = token_.data() ? token_.data() + token_.size() : text_.data();
-    const char* const end = text_.data() + text_.size();
-    while (at != end && (*at == ' ' || *at == '\t' || *at == '\n' || *at == '\r'))
-    {
-      ++at;
-    }
-    const char* tokenEnd = at;
-    while (tokenEnd != end && isWordCharacter(*tokenEnd))
-    {
-      ++tokenEnd;
-    }
-    if (tokenEnd == at && at != end)
-    {
-      ++tokenEnd;
-    }
-    token_ = std::string_view(at, static_cast<std::size_t>(tokenEnd - at));
-  }
-
   void member()
   {
     if (token_ == "pad")
@@ -195,8 +154,7 @@ private:
 
   void declarator(PayloadType type)
   {
-    if (token_.empty() || !isWordCharacter(token_[0]) || isDigit(token_[0]) || token_ == "pad" ||
-      findType(token_))
+    if (!isName() || token_ == "pad" || findType(token_))
     {
       fail("a name");
     }
@@ -223,19 +181,8 @@ private:
   int arrayLength()
   {
     next();
-    int length = 0;
-    const auto [end, code] = std::from_chars(token_.data(), token_.data() + token_.size(), length);
-    if (code != std::errc() || end != token_.data() + token_.size() || length < 1 ||
-      static_cast<std::size_t>(length) > maxPayloadBytes)
-    {
-      fail("a number in 1.." + std::to_string(maxPayloadBytes));
-    }
-    next();
-    if (token_ != "]")
-    {
-      fail("\"]\"");
-    }
-    next();
+    const int length = number(1, static_cast<int>(maxPayloadBytes));
+    expect("]");
     return length;
   }
 
@@ -248,8 +195,6 @@ private:
     }
   }
 
-  std::string_view text_;
-  std::string_view token_;    // a part of text_, empty at its end
   bool packed_ = false;       // members begin where the ones before end
   std::size_t alignment_ = 1; // of the whole
   PayloadLayout layout_;

@@ -42,10 +42,18 @@ std::size_t payloadTypeSize(PayloadType type) noexcept;
 
 struct PayloadField
 {
+  struct Term
+  {
+    std::uint32_t index; // of a value stored from the field's offset on
+    double weight;
+  };
+
   std::string name;
-  PayloadType type;
+  PayloadType type; // of the stored values
   int components;
   std::size_t offset; // bytes from the payload's begin
+  /// Of which stored values each component is the sum, of a field of floats or doubles; none: the components are stored.
+  std::vector<std::vector<Term>> sums{};
 };
 
 class PayloadLayout

@@ -2,6 +2,7 @@
 
 #include "Error.h"
 #include "Forest/P4estInputFile.h"
+#include "Forest/TextTokens.h"
 
 #include <algorithm>
 #include <array>
@@ -14,14 +15,6 @@ namespace treeamr
 
 namespace
 {
-
-std::string_view trimmed(std::string_view text)
-{
-  constexpr const char* spaces = " \t\r\n";
-  const std::size_t begin = text.find_first_not_of(spaces);
-  return begin == text.npos ? std::string_view()
-                            : text.substr(begin, text.find_last_not_of(spaces) + 1 - begin);
-}
 
 [[noreturn]] void failOfText(std::string_view item, const std::string& found, const std::string& allowed)
 {
@@ -208,11 +201,10 @@ std::vector<QuadrantArray> parseQuadrantArrays(std::string_view text)
 
 QuadrantArrayFile::QuadrantArrayFile(
   const QuadrantArray& array, const std::string& forestPath, std::uint64_t quadrants)
-  : path_(resolved(array.path, forestPath))
-  , field_(array.field)
-  , quadrants_(quadrants)
+  : field_(array.field)
 {
-  P4estInputFile file(path_, "a file of values");
+  const std::string path = resolved(array.path, forestPath);
+  P4estInputFile file(path, "a file of values");
   const std::string allowed = std::to_string(quadrants) + ", one for each quadrant of " + forestPath;
   if (array.isNumpy)
   {
@@ -237,33 +229,13 @@ QuadrantArrayFile::QuadrantArrayFile(
       file.fail("values in Fortran order, allowed C order (numpy.ascontiguousarray)");
     }
   }
-  dataBegin_ = file.position();
-  recordBytes_ = payloadTypeSize(field_.type) * static_cast<std::size_t>(field_.components);
-  const std::uint64_t bytes = file.size() - dataBegin_;
-  if (bytes / recordBytes_ != quadrants || bytes % recordBytes_ != 0)
+  const std::size_t recordBytes = payloadTypeSize(field_.type) * static_cast<std::size_t>(field_.components);
+  const std::uint64_t bytes = file.size() - file.position();
+  if (bytes / recordBytes != quadrants || bytes % recordBytes != 0)
   {
-    file.fail(bytes, " bytes of values, ", recordBytes_, " each, allowed ", allowed);
+    file.fail(bytes, " bytes of values, ", recordBytes, " each, allowed ", allowed);
   }
-  stream_.open(path_, std::ios::binary);
-}
-
-const std::byte* QuadrantArrayFile::at(std::uint64_t quadrant)
-{
-  if (quadrant < blockBegin_ || quadrant >= blockEnd_)
-  {
-    const std::uint64_t count = std::min<std::uint64_t>(
-      quadrants_ - quadrant, std::max<std::uint64_t>(1, P4estInputFile::blockBytes / recordBytes_));
-    block_.resize(count * recordBytes_);
-    blockBegin_ = quadrant;
-    blockEnd_ = quadrant + count;
-    stream_.seekg(static_cast<std::streamoff>(dataBegin_ + quadrant * recordBytes_));
-    if (!stream_.read(reinterpret_cast<char*>(block_.data()), static_cast<std::streamsize>(block_.size())))
-    {
-      throw Error(
-        path_ + ": values of quadrant " + std::to_string(quadrant) + " and those after it cannot be read");
-    }
-  }
-  return block_.data() + (quadrant - blockBegin_) * recordBytes_;
+  records_.emplace(path, file.position(), recordBytes, quadrants);
 }
 
 } // namespace treeamr

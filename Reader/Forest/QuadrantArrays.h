@@ -10,10 +10,11 @@
 #pragma once
 
 #include "Forest/PayloadLayout.h"
+#include "Forest/QuadrantRecords.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,18 +45,11 @@ public:
   const PayloadField& field() const noexcept { return field_; }
   /// The values of a quadrant, until the next call. Quickest in the order of numbers. Throws Error where the file ends
   /// before.
-  const std::byte* at(std::uint64_t quadrant);
+  const std::byte* at(std::uint64_t quadrant) { return records_->at(quadrant); }
 
 private:
-  std::string path_;
   PayloadField field_;
-  std::size_t recordBytes_;
-  std::uint64_t quadrants_;
-  std::uint64_t dataBegin_ = 0; // in the file
-  std::ifstream stream_;
-  std::vector<std::byte> block_;
-  std::uint64_t blockBegin_ = 0; // quadrants
-  std::uint64_t blockEnd_ = 0;
+  std::optional<QuadrantRecords> records_;
 };
 
 } // namespace treeamr
