@@ -1,5 +1,5 @@
 // What deal.II's parallel::distributed::Triangulation::save writes beside a forest (versions 4 and 5 of the format: deal.II
-// 9.1 to 9.8), in the byte order of the machine that wrote it:
+// 9.2 to 9.8), in the byte order of the machine that wrote it:
 //   NAME                a forest without data (P4estForestFile.h), whose trees are the coarse cells
 //   NAME.info           text: a line of names, then the version, the number of ranks, how many blocks of fixed and of variable
 //                       size are attached to each cell, and the number of coarse cells

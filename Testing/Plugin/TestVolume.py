@@ -87,6 +87,27 @@ class TestVolume(scene.TestCase):
         self.show(opacity=0)
         self.assertFalse(scene.drawn(self.picture("transparent")).any())
 
+    def test_checkpoint_of_dealii(self):
+        """Opened by its .info alone, drawn by the values of its cells, where Origin and Spacing say."""
+        self.representation.Visibility = 0
+        folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../Data/DealII/Checkpoints")
+        reader = simple.OpenDataFile(os.path.join(folder, "cube.info"))
+        self.assertEqual("TreeAMRP4estReader", reader.GetXMLName())
+        reader.Payload = "double average = FE_DGQ(0); double now, before = FE_Q(1)"
+        reader.Origin, reader.Spacing = [-1, -1, -1], [2, 2, 2]
+        self.representation = simple.Show(reader, self.view)
+        self.assertEqual({"average", "now", "before"}, set(reader.CellData.keys()))
+        self.assertEqual((-1, 1) * 3, reader.GetDataInformation().GetBounds())
+        table = numpy.loadtxt(os.path.join(folder, "cube.txt"))
+        self.assertEqual(len(table), servermanager.Fetch(reader).GetNumberOfLeaves())
+        low, high = table[:, 4].min(), table[:, 4].max()
+        simple.ColorBy(self.representation, ("CELLS", "now"))
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        self.representation.LookupTable.RescaleTransferFunction(low, high)
+        scene.set_opacity(self.representation.ScalarOpacityFunction, low, high, 0.5)
+        scene.look(self.view)
+        self.assertGreater(scene.drawn(self.picture("dealii")).mean(), 0.1)
+
     def test_hidden(self):
         self.show()
         self.representation.Visibility = 0

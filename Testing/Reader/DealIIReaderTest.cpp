@@ -181,8 +181,8 @@ TEST_F(DealIIReaderTest, ValuesOfTheProgram)
   this->expectTable("periodic", "double average = FE_DGQ(0)", { { "average", 0, 0. } });
   this->expectTable("elements",
     "double q = FE_Q(4); double dgq = FE_DGQ(3); double dgp = FE_DGP(2); double enriched = FE_Q_DG0(1); "
-    "float small = FE_Q(2)",
-    { { "q" }, { "dgq" }, { "dgp" }, { "enriched" }, { "small", 0, 5e-7 } });
+    "double linear = FE_Q_iso_Q1(3); double legendre = FE_DGQLegendre(1); float small = FE_Q(2)",
+    { { "q" }, { "dgq" }, { "dgp" }, { "enriched" }, { "linear" }, { "legendre" }, { "small", 0, 5e-7 } });
 }
 
 // A system without names of its own, in other words; what is skipped.
@@ -200,6 +200,7 @@ TEST_F(DealIIReaderTest, NamesOfArrays)
   // Systems in systems have the same values, in arrays of more components.
   vtkNew<vtkTreeAMRP4estReader> nested;
   nested->SetFileName((data + "rectangle").c_str());
+  nested->SetSpacing(0.4, 0.35, 0.3);
   nested->SetPayload(
     "double s = FESystem[FESystem[FE_Q(2)^3 - FE_Q(1)] - FE_DGQ(1)]; {uint8 low; uint8 high[3]}");
   nested->Update();
