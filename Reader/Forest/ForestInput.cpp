@@ -13,14 +13,14 @@ namespace
 {
 
 /// A layout that fits the size, to show what the property wants.
-std::string examplePayload(std::size_t size)
+std::string examplePayload(std::size_t size, const std::string& name)
 {
   for (const auto& [type, bytes] : { std::pair("double", 8), std::pair("float", 4), std::pair("char", 1) })
   {
     if (size % bytes == 0)
     {
       const std::size_t count = size / bytes;
-      return std::string(type) + (count > 1 ? " value[" + std::to_string(count) + "]" : " value");
+      return std::string(type) + ' ' + name + (count > 1 ? '[' + std::to_string(count) + ']' : "");
     }
   }
   return {};
@@ -40,7 +40,7 @@ PayloadReading guessPayload(const P4estForestFile& file)
   {
     return { {},
       bytes + "left out, for their layout is unknown: set Payload to it, for example \"" +
-        examplePayload(size) + "\"." };
+        examplePayload(size, "value") + "\"." };
   }
   DoubleGuess guess;
   file.samplePayloads(sampleSize, [&guess](const std::byte* payload) { guess.add(payload); });
@@ -194,6 +194,7 @@ PayloadReading ForestInput::guessBlocks() const
     });
   }
   PayloadReading reading;
+  reading.remark = "of the " + std::to_string(blocks.size()) + " blocks that deal.II attached to each cell, ";
   std::string example;
   for (std::size_t b = 0; b < blocks.size(); ++b)
   {
@@ -207,19 +208,25 @@ PayloadReading ForestInput::guessBlocks() const
       {
         text = "double block" + number + (blocks[b].size == sizeof(double) ? " = FE_DGQ(0)" : " = FE_Q(1)");
         found = "read as \"" + text + '"';
+        appendFields(reading.fields, parseDealIIBlocks(text)[0].fields, blocks[b]);
       }
       else
       {
         found += " (as double they " + objection + ')';
       }
     }
-    reading.remark += (b == 0 ? "of what deal.II attached to each cell, block " : ", block ") + number +
-      ", of " + std::to_string(blocks[b].size) + " bytes, is " + found;
+    else if (blocks[b].size > 0)
+    {
+      text = examplePayload(blocks[b].size, "block" + number);
+    }
+    reading.remark += (b == 0 ? "number " : ", number ") + number + ", of " + std::to_string(blocks[b].size) +
+      " bytes, is " + found;
     example += (b == 0 ? "" : "; ") + text;
-    appendFields(reading.fields, parseDealIIBlocks(text)[0].fields, blocks[b]);
   }
   reading.remark += ". Set Payload to what they are, for example \"" + example +
-    "\", where deal.II's get_name() says the element of vectors.";
+    "\": vectors of finite elements as \"double u, v = FE_Q(2)\", by what deal.II's get_name() says, and "
+    "skip for what "
+    "to leave out.";
   return reading;
 }
 

@@ -231,9 +231,10 @@ TEST_F(DealIIReaderTest, WithoutAPayload)
   ASSERT_TRUE(errors_.empty()) << errors_[0];
   ASSERT_EQ(warnings_.size(), 1u);
   for (const char* part : { "they are unit cubes: set Origin and Spacing",
-         "block 1, of 8 bytes, is read as \"double block1 = FE_DGQ(0)\", block 2, of 128 bytes, is left out. "
+         "of the 2 blocks that deal.II attached to each cell, number 1, of 8 bytes, is read as \"double "
+         "block1 = FE_DGQ(0)\", number 2, of 128 bytes, is left out. "
          "Set Payload",
-         "\"double block1 = FE_DGQ(0); skip\"" })
+         "\"double block1 = FE_DGQ(0); double block2[16]\": vectors" })
   {
     EXPECT_NE(warnings_[0].find(part), std::string::npos) << warnings_[0];
   }
@@ -246,7 +247,7 @@ TEST_F(DealIIReaderTest, WithoutAPayload)
   grid = this->read(data + "hyper_L", ""); // its .info is beside it
   ASSERT_EQ(warnings_.size(), 1u);
   EXPECT_NE(
-    warnings_[0].find("block 2, of 64 bytes, is read as \"double block2 = FE_Q(1)\""), std::string::npos);
+    warnings_[0].find("number 2, of 64 bytes, is read as \"double block2 = FE_Q(1)\""), std::string::npos);
   const auto table = tableOf("hyper_L");
   std::vector<double> expected;
   std::vector<double> found;
@@ -268,10 +269,14 @@ TEST_F(DealIIReaderTest, WithoutAPayload)
 
   grid = this->read(data + "rectangle.info", "");
   ASSERT_EQ(warnings_.size(), 1u);
-  EXPECT_NE(warnings_[0].find("block 1, of 776 bytes, is left out, block 2, of 4 bytes, is left out."),
+  EXPECT_NE(warnings_[0].find("number 1, of 776 bytes, is left out, number 2, of 4 bytes, is left out."),
     std::string::npos)
     << warnings_[0];
   EXPECT_EQ(grid->GetCellData()->GetNumberOfArrays(), 2); // level and treeid
+  const char* const example = "double block1[97]; float block2";
+  EXPECT_NE(warnings_[0].find(example), std::string::npos) << warnings_[0];
+  EXPECT_EQ(this->read(data + "rectangle.info", example)->GetCellData()->GetNumberOfArrays(), 2);
+  EXPECT_TRUE(errors_.empty());
   grid = this->read(data + "bare.info", "");
   EXPECT_TRUE(errors_.empty() && warnings_.empty());
   EXPECT_EQ(drawnCells(grid, "level").size(), 8u);
