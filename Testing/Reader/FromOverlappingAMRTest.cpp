@@ -25,6 +25,7 @@
 #include "vtkPointDataToCellData.h"
 #include "vtkStringArray.h"
 #include "vtkStructuredData.h"
+#include "vtkTrivialProducer.h"
 #include "vtkUniformGrid.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -97,8 +98,17 @@ struct Hierarchy
   }
 };
 
-/// The cells of all blocks are numbered.
-vtkSmartPointer<vtkOverlappingAMR> makeAMR(const Hierarchy& hierarchy)
+/// One block of 4^3, a block of its first octant refined once, 4^3 too.
+Hierarchy twoBlocks()
+{
+  Hierarchy hierarchy;
+  hierarchy.levels = { { { { 0, 0, 0 }, { 4, 4, 4 } } }, { { { 0, 0, 0 }, { 4, 4, 4 } } } };
+  hierarchy.ratios = { 2 };
+  return hierarchy;
+}
+
+/// The cells of all blocks are numbered. Those of other levels than in a mask are known, but not there.
+vtkSmartPointer<vtkOverlappingAMR> makeAMR(const Hierarchy& hierarchy, unsigned int levels = ~0u)
 {
   const auto amr = vtkSmartPointer<vtkOverlappingAMR>::New();
   std::vector<int> counts;
@@ -145,7 +155,10 @@ vtkSmartPointer<vtkOverlappingAMR> makeAMR(const Hierarchy& hierarchy)
       int high[3];
       std::ranges::transform(block.high, high, [](int i) { return i - 1; });
       amr->SetAMRBox(l, b, vtkAMRBox(block.low.data(), high));
-      amr->SetDataSet(l, b, grid);
+      if (levels >> l & 1)
+      {
+        amr->SetDataSet(l, b, grid);
+      }
     }
   }
   return amr;
@@ -378,15 +391,6 @@ Hierarchy makeHierarchy(const RandomHierarchy& options)
   return hierarchy;
 }
 
-/// One block of 4^3, a block of its first octant refined once, 4^3 too.
-Hierarchy twoBlocks()
-{
-  Hierarchy hierarchy;
-  hierarchy.levels = { { { { 0, 0, 0 }, { 4, 4, 4 } } }, { { { 0, 0, 0 }, { 4, 4, 4 } } } };
-  hierarchy.ratios = { 2 };
-  return hierarchy;
-}
-
 } // namespace
 
 TEST(FromOverlappingAMR, EachPlaceHasTheFinestBlocksValue)
@@ -504,9 +508,12 @@ TEST(FromOverlappingAMR, LevelsWithoutBlocks)
   }
   // Blocks that are not there, as those of other processes.
   hierarchy.levels = levels;
-  const auto amr = makeAMR(hierarchy);
-  amr->SetDataSet(2, 0, nullptr);
-  EXPECT_TRUE(convert(amr).errors.empty());
+  const MadeGrid partial = convert(makeAMR(hierarchy, 3u));
+  EXPECT_TRUE(partial.errors.empty());
+  hierarchy.levels.pop_back();
+  hierarchy.ratios.pop_back();
+  const Block domain = domainOf(hierarchy);
+  expectOwners(partial.grid, hierarchy, ownersOf(hierarchy, domain), domain);
 
   vtkNew<vtkOverlappingAMR> empty;
   EXPECT_TRUE(convert(empty).errors.empty());
@@ -726,4 +733,21 @@ TEST(FromOverlappingAMR, BlocksThatFitNotAreNamed)
   setGhosts(shortGhosts->GetDataSet(0, 0), {});
   shortGhosts->GetDataSet(0, 0)->GetCellGhostArray()->SetNumberOfTuples(3);
   expectIn(errorOf(shortGhosts), "level 0, block 0: vtkGhostType has 3 tuples, allowed are 64");
+}
+
+TEST(FromOverlappingAMR, OtherPiecesAreEmpty)
+{
+  vtkNew<vtkTrivialProducer> source; // gives all to whoever asks
+  const auto amr = makeAMR(twoBlocks());
+  source->SetOutput(amr);
+  vtkNew<vtkTreeAMRFromOverlappingAMR> filter;
+  const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
+  filter->SetInputConnection(source->GetOutputPort());
+  filter->UpdatePiece(1, 2, 0);
+  EXPECT_EQ(vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfNonEmptyTrees(), 0);
+  ASSERT_EQ(warnings.messages().size(), 1u);
+  expectIn(warnings.messages()[0], "overlapping AMR: the first process has asked its source for all cells");
+  expectIn(warnings.messages()[0], "process 1 has asked for none and was given 128");
+  filter->UpdatePiece(0, 2, 0);
+  EXPECT_EQ(vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetNumberOfLeaves(), 64 - 8 + 64);
 }
