@@ -56,6 +56,11 @@ PayloadReading guessPayload(const P4estForestFile& file)
       ". Set Payload to their layout, for example \"double value\", \"long value\" or \"float value[2]\"." };
 }
 
+std::string blockCount(std::uint64_t count)
+{
+  return std::to_string(count) + (count == 1 ? " block" : " blocks");
+}
+
 /// Behind those of the blocks before, at the place of their own.
 void appendFields(
   std::vector<PayloadField>& fields, std::vector<PayloadField> ofBlock, const DealIICellData::Block& block)
@@ -111,8 +116,8 @@ PayloadReading ForestInput::readPayload(const std::string& text) const
     if (info_->variableBlocks > 0)
     {
       reading.remark += reading.remark.empty() ? "" : " ";
-      reading.remark += std::to_string(info_->variableBlocks) + " blocks of variable size, in " +
-        info_->base + "_variable.data, are left out.";
+      reading.remark += "left out: " + blockCount(info_->variableBlocks) + " of variable size, in " +
+        info_->base + "_variable.data.";
     }
     return reading;
   }
@@ -142,8 +147,8 @@ PayloadReading ForestInput::readBlocks(const std::string& text) const
     {
       sizes += (sizes.empty() ? ", of " : ", ") + std::to_string(block.size);
     }
-    throw Error(info_->path + ": payload \"" + text + "\" is of " + std::to_string(said.size()) +
-      " blocks, allowed " + std::to_string(blocks.size()) + ", as many as deal.II attached to each cell" +
+    throw Error(info_->path + ": payload \"" + text + "\" is of " + blockCount(said.size()) + ", allowed " +
+      std::to_string(blocks.size()) + ", as many as deal.II attached to each cell" +
       (blocks.empty() ? ": leave Payload empty" : sizes + " bytes; skip is for one to leave out"));
   }
   PayloadReading reading;
@@ -194,7 +199,7 @@ PayloadReading ForestInput::guessBlocks() const
     });
   }
   PayloadReading reading;
-  reading.remark = "of the " + std::to_string(blocks.size()) + " blocks that deal.II attached to each cell, ";
+  reading.remark = "of the " + blockCount(blocks.size()) + " that deal.II attached to each cell, ";
   std::string example;
   for (std::size_t b = 0; b < blocks.size(); ++b)
   {
