@@ -237,7 +237,7 @@ PayloadReading ForestInput::guessBlocks() const
 
 void ForestInput::visitQuadrants(bool withPayload, const std::function<void(const TreeLeaf&)>& visit) const
 {
-  if (!cells_ || !withPayload)
+  if (!withPayload || !cells_ || cells_->blocks().empty())
   {
     forest_.visitQuadrants(visit);
     return;

@@ -179,6 +179,8 @@ TEST_F(DealIIReaderTest, ValuesOfTheProgram)
 
   this->setBoxes({ 0., 0., 0. }, { 1., 1., 1. + 1e-12 }); // without a remark on unit cubes
   this->expectTable("periodic", "double average = FE_DGQ(0)", { { "average", 0, 0. } });
+  this->expectTable(
+    "turned", "double average = FE_DGQ(0); double now = FE_Q(2)", { { "average", 0, 0. }, { "now" } });
   this->expectTable("elements",
     "double q = FE_Q(4); double dgq = FE_DGQ(3); double dgp = FE_DGP(2); double enriched = FE_Q_DG0(1); "
     "double linear = FE_Q_iso_Q1(3); double legendre = FE_DGQLegendre(1); float small = FE_Q(2)",

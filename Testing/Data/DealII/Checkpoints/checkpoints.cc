@@ -9,6 +9,7 @@
 //   cube       (-1, 1)^3; FE_DGQ(0), two vectors of FE_Q(1)
 //   elements   others of one component, one vector of float
 //   periodic   2 x 1 x 1 cubes, joined at both ends of x and y; FE_DGQ(0)
+//   turned     3 x 1 x 1 cubes, the second with its axes cycled, the third turned about z; FE_DGQ(0), FE_Q(2)
 //   hp         elements of two degrees, which make data of variable size
 //   bare       nothing attached
 //   shell      no boxes
@@ -220,6 +221,27 @@ private:
   std::vector<std::shared_ptr<void>> kept_;
 };
 
+void makeTurned(Mesh& mesh)
+{
+  std::vector<Point<3>> points;
+  std::vector<CellData<3>> cells(3);
+  const auto point = [](unsigned int x, unsigned int y, unsigned int z) { return x + 4 * (y + 2 * z); };
+  for (unsigned int i = 0; i < 16; ++i)
+  {
+    points.emplace_back(i % 4, i / 4 % 2, i / 8);
+  }
+  for (unsigned int corner = 0; corner < 8; ++corner)
+  {
+    const unsigned int x = corner & 1;
+    const unsigned int y = corner >> 1 & 1;
+    const unsigned int z = corner >> 2;
+    cells[0].vertices[corner] = point(x, y, z);
+    cells[1].vertices[corner] = point(1 + y, z, x);
+    cells[2].vertices[corner] = point(2 + 1 - x, 1 - y, z);
+  }
+  mesh.create_triangulation(points, cells, SubCellData());
+}
+
 void onTwoRanks()
 {
   {
@@ -283,6 +305,15 @@ void onOneRank()
     Checkpoint checkpoint(mesh);
     checkpoint.attach<double>(FE_DGQ<3>(0), 1);
     checkpoint.save("periodic");
+  }
+  {
+    Mesh mesh(MPI_COMM_WORLD);
+    makeTurned(mesh);
+    refine(mesh, 1.5, 2);
+    Checkpoint checkpoint(mesh);
+    checkpoint.attach<double>(FE_DGQ<3>(0), 1);
+    checkpoint.attach<double>(FE_Q<3>(2), 1);
+    checkpoint.save("turned");
   }
   {
     Mesh mesh(MPI_COMM_WORLD);
