@@ -186,12 +186,17 @@ std::vector<AMRBlock> blocksOf(vtkOverlappingAMR* input)
     vtk::TakeSmartPointer(vtkUniformGridAMRDataIterator::SafeDownCast(input->NewIterator()));
   for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
   {
-    auto* const data = vtkImageData::SafeDownCast(iterator->GetCurrentDataObject());
+    const std::string name = "level " + std::to_string(iterator->GetCurrentLevel()) + ", block " +
+      std::to_string(iterator->GetCurrentIndex());
+    vtkDataObject* const object = iterator->GetCurrentDataObject();
+    auto* const data = vtkImageData::SafeDownCast(object);
+    if (object && !data)
+    {
+      throw Error(name + " is a " + object->GetClassName() + ", allowed is vtkUniformGrid");
+    }
     if (data && data->GetNumberOfCells() > 0)
     {
-      blocks.emplace_back(data, static_cast<int>(iterator->GetCurrentLevel()),
-        "level " + std::to_string(iterator->GetCurrentLevel()) + ", block " +
-          std::to_string(iterator->GetCurrentIndex()));
+      blocks.emplace_back(data, static_cast<int>(iterator->GetCurrentLevel()), name);
     }
   }
   checkWidths(blocks);
