@@ -167,7 +167,12 @@ public:
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
     const std::lock_guard lock(mutex_);
-    array_->SetTuple(node, firstChild + std::countr_zero(present), array_);
+    const vtkIdType first = firstChild + std::countr_zero(present);
+    array_->SetTuple(node, first, array_);
+    for (unsigned missing = ~present & 0xff; missing != 0; missing &= missing - 1)
+    {
+      array_->SetTuple(firstChild + std::countr_zero(missing), first, array_);
+    }
   }
   void setMissing(vtkIdType node) override
   {

@@ -30,9 +30,10 @@ public:
   virtual void setLeaf(vtkIdType node, const TreeLeaf& leaf) = 0;
   /// Told some leaves before that of this number, whose values may lie anywhere.
   virtual void prepare(std::uint64_t /*number*/) const {}
-  /// present: mask of the children that have cells, one at least.
+  /// present: mask of the children that have cells, one at least. The others get a value of these: VTK's ranges of arrays
+  /// count masked cells, too.
   virtual void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) = 0;
-  /// Where there is no cell.
+  /// Where there is no cell, before its parent.
   virtual void setMissing(vtkIdType node) = 0;
   virtual vtkAbstractArray* array() const noexcept = 0;
 };
@@ -58,6 +59,14 @@ protected:
     values_ = typed->GetPointer(0);
   }
   T* tuple(vtkIdType node) { return values_ + node * components_; }
+  void setMissingChildren(vtkIdType firstChild, unsigned present)
+  {
+    const T* const value = tuple(firstChild + std::countr_zero(present));
+    for (unsigned missing = ~present & 0xff; missing != 0; missing &= missing - 1)
+    {
+      std::copy_n(value, components_, tuple(firstChild + std::countr_zero(missing)));
+    }
+  }
 
 private:
   vtkSmartPointer<vtkDataArray> array_;
@@ -95,6 +104,7 @@ public:
         value[c] = children[std::countr_zero(present) * this->components_ + c];
       }
     }
+    this->setMissingChildren(firstChild, present);
   }
 };
 
@@ -161,7 +171,8 @@ public:
   }
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
-    *tuple(node) = static_cast<unsigned char>(*tuple(firstChild + std::countr_zero(present)) - 1);
+    setMissingChildren(firstChild, present);
+    *tuple(node) = static_cast<unsigned char>(*tuple(firstChild) - 1);
   }
 };
 
@@ -175,7 +186,8 @@ public:
   void setLeaf(vtkIdType node, const TreeLeaf& leaf) override { *tuple(node) = leaf.tree; }
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
-    *tuple(node) = *tuple(firstChild + std::countr_zero(present));
+    setMissingChildren(firstChild, present);
+    *tuple(node) = *tuple(firstChild);
   }
 };
 

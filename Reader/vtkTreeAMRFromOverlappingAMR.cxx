@@ -7,6 +7,8 @@
 #include "vtkObjectFactory.h"
 #include "vtkOverlappingAMR.h"
 
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 vtkStandardNewMacro(vtkTreeAMRFromOverlappingAMR);
@@ -27,9 +29,15 @@ int vtkTreeAMRFromOverlappingAMR::FillInputPortInformation(int, vtkInformation* 
   return 1;
 }
 
-void vtkTreeAMRFromOverlappingAMR::Convert(vtkDataObject* input, vtkHyperTreeGrid* output)
+void vtkTreeAMRFromOverlappingAMR::Convert(
+  const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output)
 {
-  const std::vector<treeamr::AMRBlock> blocks = treeamr::blocksOf(vtkOverlappingAMR::SafeDownCast(input));
+  std::vector<treeamr::AMRBlock> blocks;
+  for (vtkDataObject* const piece : pieces)
+  {
+    std::vector<treeamr::AMRBlock> ofPiece = treeamr::blocksOf(vtkOverlappingAMR::SafeDownCast(piece));
+    std::ranges::move(ofPiece, std::back_inserter(blocks));
+  }
   if (blocks.empty())
   {
     return;

@@ -44,7 +44,7 @@ protected:
 
   const char* GetInputKind() const override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  void Convert(vtkDataObject* input, vtkHyperTreeGrid* output) override;
+  void Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output) override;
 
 private:
   vtkTreeAMRFromOverlappingAMR(const vtkTreeAMRFromOverlappingAMR&) = delete;

@@ -6,6 +6,8 @@
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 vtkStandardNewMacro(vtkTreeAMRFromUnstructured);
@@ -27,9 +29,14 @@ int vtkTreeAMRFromUnstructured::FillInputPortInformation(int, vtkInformation* in
   return 1;
 }
 
-void vtkTreeAMRFromUnstructured::Convert(vtkDataObject* input, vtkHyperTreeGrid* output)
+void vtkTreeAMRFromUnstructured::Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output)
 {
-  const std::vector<treeamr::HexahedronBlock> blocks = treeamr::hexahedronBlocks(input);
+  std::vector<treeamr::HexahedronBlock> blocks;
+  for (vtkDataObject* const piece : pieces)
+  {
+    std::vector<treeamr::HexahedronBlock> ofPiece = treeamr::hexahedronBlocks(piece);
+    std::ranges::move(ofPiece, std::back_inserter(blocks));
+  }
   if (blocks.empty())
   {
     return;

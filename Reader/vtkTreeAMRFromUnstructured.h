@@ -42,7 +42,7 @@ protected:
 
   const char* GetInputKind() const override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  void Convert(vtkDataObject* input, vtkHyperTreeGrid* output) override;
+  void Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output) override;
 
 private:
   vtkTreeAMRFromUnstructured(const vtkTreeAMRFromUnstructured&) = delete;

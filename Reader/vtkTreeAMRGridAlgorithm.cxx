@@ -8,7 +8,9 @@
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
+#include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <exception>
@@ -22,6 +24,46 @@ using SDDP = vtkStreamingDemandDrivenPipeline;
 int PieceOf(vtkInformation* info)
 {
   return info->Has(SDDP::UPDATE_PIECE_NUMBER()) ? info->Get(SDDP::UPDATE_PIECE_NUMBER()) : 0;
+}
+
+// Of the processes that each ask for a piece of their own, as ParaView's do; null where one process has all.
+vtkMultiProcessController* ControllerOf(vtkInformation* info)
+{
+  vtkMultiProcessController* const controller = vtkMultiProcessController::GetGlobalController();
+  const bool hasPieces = controller && controller->GetNumberOfProcesses() > 1 &&
+    info->Has(SDDP::UPDATE_NUMBER_OF_PIECES()) &&
+    info->Get(SDDP::UPDATE_NUMBER_OF_PIECES()) == controller->GetNumberOfProcesses() &&
+    PieceOf(info) == controller->GetLocalProcessId();
+  return hasPieces ? controller : nullptr;
+}
+
+// The pieces of all processes, in the first one; none in the others. Each calls it.
+std::vector<vtkSmartPointer<vtkDataObject>> Gathered(
+  vtkMultiProcessController* controller, vtkDataObject* input)
+{
+  constexpr int tag = 7325;
+  const bool isFirst = controller->GetLocalProcessId() == 0;
+  const vtkIdType own = input->GetNumberOfElements(vtkDataObject::CELL);
+  std::vector<vtkIdType> cells(static_cast<std::size_t>(controller->GetNumberOfProcesses()));
+  controller->Gather(&own, cells.data(), 1, 0);
+  std::vector<vtkSmartPointer<vtkDataObject>> pieces;
+  if (!isFirst)
+  {
+    if (own > 0)
+    {
+      controller->Send(input, 0, tag);
+    }
+    return pieces;
+  }
+  pieces.emplace_back(input);
+  for (int process = 1; process < controller->GetNumberOfProcesses(); ++process)
+  {
+    if (cells[static_cast<std::size_t>(process)] > 0)
+    {
+      pieces.push_back(vtk::TakeSmartPointer(controller->ReceiveDataObject(process, tag)));
+    }
+  }
+  return pieces;
 }
 
 std::string Listed(const std::vector<std::string>& texts)
@@ -54,16 +96,17 @@ int vtkTreeAMRGridAlgorithm::FillOutputPortInformation(int, vtkInformation* info
   return 1;
 }
 
-// All pieces to the first process. The others ask for the last of so many that a source which gives what it is asked for
-// has nothing in it.
+// Each process asks for its own piece, as it always does: sources would make what others show of them anew. Of several
+// pieces in one process the first has all.
 int vtkTreeAMRGridAlgorithm::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  constexpr int many = 1 << 16;
-  const bool isFirst = PieceOf(outputVector->GetInformationObject(0)) == 0;
   vtkInformation* const inInfo = inputVector[0]->GetInformationObject(0);
-  inInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), isFirst ? 0 : many - 1);
-  inInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), isFirst ? 1 : many);
+  if (!ControllerOf(outputVector->GetInformationObject(0)))
+  {
+    inInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), 0);
+    inInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), 1);
+  }
   inInfo->Set(SDDP::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
   return 1;
 }
@@ -79,20 +122,13 @@ int vtkTreeAMRGridAlgorithm::RequestData(
   output->Initialize();
   try
   {
-    if (PieceOf(outInfo) > 0)
-    {
-      if (const vtkIdType cells = input->GetNumberOfElements(vtkDataObject::CELL); cells > 0)
-      {
-        this->Warn(
-          "the first process has asked its source for all cells and makes the grid of them; process " +
-          std::to_string(PieceOf(outInfo)) + " has asked for none and was given " + std::to_string(cells) +
-          ", which are not in the grid unless the first one has them, too.");
-      }
-    }
-    else
+    vtkMultiProcessController* const controller = ControllerOf(outInfo);
+    const std::vector<vtkSmartPointer<vtkDataObject>> pieces =
+      controller ? Gathered(controller, input) : std::vector<vtkSmartPointer<vtkDataObject>>{ input };
+    if (PieceOf(outInfo) == 0)
     {
       vtkNew<vtkHyperTreeGrid> grid;
-      this->Convert(input, grid);
+      this->Convert({ pieces.begin(), pieces.end() }, grid);
       output->ShallowCopy(grid);
     }
   }

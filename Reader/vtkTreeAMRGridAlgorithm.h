@@ -2,8 +2,8 @@
  * @class   vtkTreeAMRGridAlgorithm
  * @brief   what filters that make one vtkHyperTreeGrid of data of another kind have in common
  *
- * In parallel the first process asks for the whole input and makes all of the grid; those of the others are empty. A
- * warning there says when the input is one that cannot be asked, but has other cells in each process.
+ * In parallel the first process gets the pieces of all others and makes all of the grid; those of the others are empty. All
+ * processes must update it then, as ParaView's do.
  *
  * What is wrong with the input is one error, and the output is empty then. Warnings come once until they go away.
  */
@@ -15,6 +15,7 @@
 
 #include <memory> // for std::unique_ptr
 #include <string>
+#include <vector>
 
 namespace treeamr
 {
@@ -34,8 +35,8 @@ protected:
 
   /// For messages.
   virtual const char* GetInputKind() const = 0;
-  /// output: an empty grid. Throws std::exception.
-  virtual void Convert(vtkDataObject* input, vtkHyperTreeGrid* output) = 0;
+  /// pieces: of the input, one or more, that of the first process first. output: an empty grid. Throws std::exception.
+  virtual void Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output) = 0;
 
   void Warn(const std::string& message);
   /// Of those that are averaged or left out.

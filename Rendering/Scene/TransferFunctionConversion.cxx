@@ -316,8 +316,11 @@ public:
     functions_.choose(b);
     // What it comes to there, on this side.
     constexpr double beside = 1e-12;
+    constexpr double rounding = 4. * std::numeric_limits<double>::epsilon();
     const auto inset = [&](double end) {
-      return std::max(functions_.rounding(), beside * (end == 0. ? b - a : std::min(b - a, std::abs(end))));
+      const double size = std::abs(end);
+      const double least = beside * (size == 0. ? b - a : std::min(b - a, size));
+      return std::min(std::max({ functions_.rounding(), rounding * size, least }), 0.25 * (b - a));
     };
     const double begin = a + inset(a);
     const double end = b - inset(b);

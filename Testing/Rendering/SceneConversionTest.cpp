@@ -480,6 +480,29 @@ TEST_F(TransferFunctionTest, narrowPeaks)
   }
 }
 
+// An opacity of 1 that a ramp only touches has no width, however steep the ramp: of the optical depth there is as much as
+// the ramp is wide.
+TEST_F(TransferFunctionTest, rampsThatTouchFullOpacity)
+{
+  property->SetScalarOpacityUnitDistance(1.);
+  for (const double width : { 1e-1, 1e-3, 1e-4, 1e-5 })
+  {
+    opacity->RemoveAllPoints();
+    opacity->AddPoint(0.5, 0.);
+    opacity->AddPoint(0.5 + 0.5 * width, 1.);
+    opacity->AddPoint(0.5 + width, 0.);
+    const TransferFunction table = convertTransferFunction(property, { 0.f, 1.f });
+    double depth = 0.; // the integral of -log(1 - opacity), which is the width
+    for (std::size_t i = 0; i + 1 < table.nodes().size(); ++i)
+    {
+      const TransferFunction::Node& a = table.nodes()[i];
+      const TransferFunction::Node& b = table.nodes()[i + 1];
+      depth += 0.5 * (static_cast<double>(a.above.extinction) + b.below.extinction) * (b.value - a.value);
+    }
+    EXPECT_NEAR(depth / width, 1., 0.02) << width; // lines between nodes lie above the curve
+  }
+}
+
 TEST_F(TransferFunctionTest, lab2000IsAskedForOneTable)
 {
   color->SetColorSpaceToLabCIEDE2000();
