@@ -21,9 +21,7 @@
  * Arrays are treated as vtkTreeAMRFromUnstructured does: cell arrays keep type, name, components and values, arrays of
  * points are averaged, what not all blocks have alike is left out, and warnings name these.
  *
- * In parallel the first process makes all of the grid: see vtkTreeAMRGridAlgorithm. VTK's readers of AMReX, Enzo and Flash
- * give each process some of the blocks, whatever piece it asks for: the first one's alone are in the grid then, as the
- * warning says.
+ * In parallel the first process makes all of the grid: see vtkTreeAMRGridAlgorithm.
  */
 #ifndef vtkTreeAMRFromOverlappingAMR_h
 #define vtkTreeAMRFromOverlappingAMR_h
