@@ -3,6 +3,7 @@
 #pragma once
 
 #include "Forest/PayloadLayout.h"
+#include "Forest/TreeLattice.h"
 #include "Forest/TreeLeaf.h"
 #include "LargeDataArray.h"
 
@@ -14,6 +15,7 @@
 #include <bit>
 #include <cstring>
 #include <memory>
+#include <string>
 #include <type_traits>
 
 namespace treeamr
@@ -158,6 +160,48 @@ private:
   PayloadField field_;
 };
 
+/// A payload's values at the corners of its leaf, in the order of the grid's axes. An inner node has those at its own
+/// corners.
+template <class T>
+class CornerFiller : public TypedFiller<T>
+{
+public:
+  /// lattice: kept by reference.
+  CornerFiller(const PayloadField& field, vtkIdType nodes, const TreeLattice& lattice)
+    : TypedFiller<T>(field.name.c_str(), 8, nodes)
+    , field_(field)
+    , lattice_(lattice)
+  {
+    for (int c = 0; c < 8; ++c)
+    {
+      // As 100: the corner at the end of x and the beginning of y and z.
+      const std::string name{ char('0' + (c & 1)), char('0' + (c >> 1 & 1)), char('0' + (c >> 2)) };
+      this->array()->SetComponentName(c, name.c_str());
+    }
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    const TreeOrientation& orientation = lattice_.orientation(leaf.tree);
+    for (int c = 0; c < 8; ++c)
+    {
+      std::memcpy(this->tuple(node) + orientation[c],
+        leaf.payload + field_.offset + field_.sums[c][0].index * sizeof(T), sizeof(T));
+    }
+  }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  {
+    for (int c = 0; c < 8; ++c)
+    {
+      const int child = present >> c & 1 ? c : std::countr_zero(present);
+      this->tuple(node)[c] = this->tuple(firstChild + child)[c];
+    }
+  }
+
+private:
+  PayloadField field_;
+  const TreeLattice& lattice_;
+};
+
 class LevelFiller : public TypedFiller<unsigned char>
 {
 public:
@@ -191,6 +235,18 @@ public:
   }
 };
 
+/// Of values at corners. lattice: the trees', kept by reference.
+inline std::unique_ptr<CellArrayFiller> makeCornerFiller(
+  const PayloadField& field, vtkIdType nodes, const TreeLattice& lattice)
+{
+  if (field.type == PayloadType::Float32)
+  {
+    return std::make_unique<CornerFiller<float>>(field, nodes, lattice);
+  }
+  return std::make_unique<CornerFiller<double>>(field, nodes, lattice);
+}
+
+/// Of all others.
 inline std::unique_ptr<CellArrayFiller> makeFiller(const PayloadField& field, vtkIdType nodes)
 {
   if (!field.sums.empty())

@@ -350,7 +350,8 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
     if (field != payload.fields.end())
     {
       withPayload = true;
-      builder.addArray(treeamr::makeFiller(*field, nodes));
+      builder.addArray(field->isAtCorners ? treeamr::makeCornerFiller(*field, nodes, lattice)
+                                          : treeamr::makeFiller(*field, nodes));
     }
     else if (const auto array =
                std::ranges::find(ofFiles, name, [](const treeamr::QuadrantArray& a) { return a.field.name; });

@@ -1,5 +1,5 @@
 // A recursive-descent parser of
-//   block = "skip" | "{" layout "}" | layout | ( "double" | "float" ) vector { "," vector } "=" element
+//   block = "skip" | "{" layout "}" | layout | ( "double" | "float" ) vector { "," vector } "=" element [ "corners" ]
 //   vector = name [ "(" name { "," name } ")" ]
 //   element = system | part { "-" part }
 //   part = ( system | name dimension "(" degree ")" ) [ "^" number ]
@@ -73,21 +73,40 @@ public:
       vectors.push_back(vector());
     }
     expect("=");
-    std::vector<Part> parts = element();
+    const std::vector<Part> parts = element();
+    const bool atCorners = token_ == "corners";
+    if (atCorners)
+    {
+      checkCorners(parts);
+      next();
+    }
     if (!token_.empty())
     {
-      fail("\"-\", \"^\", \";\" or the end");
+      fail("\"-\", \"^\", \"corners\", \";\" or the end");
     }
 
     DealIIBlock block;
     for (const Vector& v : vectors)
     {
-      addFields(v, parts, type, block);
+      addFields(v, parts, type, atCorners, block);
     }
     return block;
   }
 
 private:
+  static bool hasCorners(const Part& part)
+  {
+    // What an inner value adds everywhere is not in that of a vertex.
+    return part.size() == 1 && part[0].vertex.size() == 1 && part[0].isInterpolated;
+  }
+  void checkCorners(const std::vector<Part>& parts) const
+  {
+    if (std::ranges::none_of(parts, hasCorners))
+    {
+      fail("corners for one component of FE_Q or FE_Q_iso_Q1 alone");
+    }
+  }
+
   struct Vector
   {
     std::string name;
@@ -228,8 +247,8 @@ private:
   }
 
   /// Those of one vector, behind what the block has until now.
-  void addFields(
-    const Vector& vector, const std::vector<Part>& parts, PayloadType type, DealIIBlock& block) const
+  void addFields(const Vector& vector, const std::vector<Part>& parts, PayloadType type, bool atCorners,
+    DealIIBlock& block) const
   {
     if (!vector.parts.empty() && vector.parts.size() != parts.size())
     {
@@ -243,8 +262,10 @@ private:
       const std::string name = !vector.parts.empty() ? vector.parts[p]
         : parts.size() == 1                          ? vector.name
                                                      : vector.name + '_' + std::to_string(p);
-      PayloadField field{ name, type, static_cast<int>(parts[p].size()), block.size };
-      field.sums.resize(parts[p].size());
+      const bool isAtCorners = atCorners && hasCorners(parts[p]);
+      PayloadField field{ name, type, isAtCorners ? 8 : static_cast<int>(parts[p].size()), block.size };
+      field.sums.resize(field.components);
+      field.isAtCorners = isAtCorners;
       block.fields.push_back(std::move(field));
     }
     // A system has first what all of its elements have at the first vertex, and so on.
@@ -259,11 +280,16 @@ private:
         {
           for (std::size_t c = 0; c < parts[p].size(); ++c)
           {
+            PayloadField& field = block.fields[first + p];
             for (const double weight : parts[p][c].*weights)
             {
-              if (weight != 0.)
+              if (field.isAtCorners && count == 8)
               {
-                block.fields[first + p].sums[c].push_back({ index, weight });
+                field.sums[n].push_back({ index, 1. });
+              }
+              else if (!field.isAtCorners && weight != 0.)
+              {
+                field.sums[c].push_back({ index, weight });
               }
               ++index;
             }

@@ -6,7 +6,10 @@
 //   element that they are of, as deal.II's get_name() has it, with or without <3>. Of a system each part, of one component
 //   or more, is an array of its own: solution_0, solution_1 ... or what is said in brackets:
 //   double solution(velocity, pressure, temperature) = FESystem<3>[FE_Q<3>(2)^3-FE_Q<3>(1)-FE_Q<3>(2)]
-//   An array has the function's mean over each cell (ElementMeans.h has the elements).
+//   An array has the function's mean over each cell (ElementMeans.h has the elements). After the word corners at the end,
+//   arrays of one component of FE_Q and FE_Q_iso_Q1 have the function's values at the cell's corners instead, as eight
+//   components, x fastest:
+//   double temperature = FE_Q(1) corners
 // - Any other data as the members of a C struct (PayloadLayout.h), in braces where there are several: { double a; int b }.
 // - skip: left out.
 #pragma once

@@ -82,6 +82,7 @@ ElementMean constantFirst(int count)
 {
   ElementMean mean;
   mean.hex.resize(count);
+  mean.isInterpolated = false;
   mean.hex[0] = 1.;
   return mean;
 }
@@ -98,6 +99,7 @@ ElementMean ofQDG0(int degree)
 {
   ElementMean mean = ofQ(degree);
   mean.hex.push_back(1.);
+  mean.isInterpolated = false;
   return mean;
 }
 ElementMean ofDGQ(int degree)

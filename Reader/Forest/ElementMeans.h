@@ -23,6 +23,7 @@ struct ElementMean
   std::vector<double> line;
   std::vector<double> quad;
   std::vector<double> hex;
+  bool isInterpolated = true; // whether each value is that of the function at a point
 };
 
 /// Up to which degree there are weights; no deal.II program has more.

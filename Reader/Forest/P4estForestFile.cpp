@@ -191,7 +191,14 @@ P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeade
   }
   if (corners > 0)
   {
-    file.checkTable<std::int32_t>(8 * header.trees, -1, corners, "tree_to_corner");
+    connectivity.treeCorners.resize(vertices > 0 ? 0 : header.trees);
+    file.checkTable<std::int32_t>(
+      8 * header.trees, -1, corners, "tree_to_corner", [&](std::uint64_t i, std::int32_t corner) {
+        if (vertices == 0)
+        {
+          connectivity.treeCorners[i / 8][i % 8] = corner;
+        }
+      });
   }
   if (vertices > 0)
   {

@@ -46,6 +46,8 @@ struct P4estConnectivity
   };
   /// Of the faces -x, +x, -y, +y, -z, +z of each tree; none with vertices.
   std::vector<std::array<Neighbour, 6>> neighbours;
+  /// The corners of each tree, x fastest, by numbers that trees share, or -1; none with vertices or without corners.
+  std::vector<std::array<std::int32_t, 8>> treeCorners;
 };
 
 class P4estForestFile

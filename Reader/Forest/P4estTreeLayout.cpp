@@ -194,6 +194,12 @@ private:
     const P4estConnectivity::Neighbour& neighbour = this->beyond(side);
     const TreeOrientation& own = trees_[side.tree].orientation;
     const int face = latticeFace(own, side.face);
+    const auto fromCorners = std::ranges::find_if(
+      turns_, [&](const TreeOrientation& turn) { return this->joinsCorners(side, turn, face); });
+    if (fromCorners != turns_.end())
+    {
+      return *fromCorners;
+    }
     const bool isLower = side.face <= neighbour.face;
     const int ownCorner = faceCorner(side.face, isLower ? 0 : neighbour.orientation);
     const int otherCorner = faceCorner(neighbour.face, isLower ? neighbour.orientation : 0);
@@ -201,6 +207,35 @@ private:
       return latticeFace(turn, neighbour.face) == (face ^ 1) &&
         turn[otherCorner] == (own[ownCorner] ^ 1 << face / 2);
     });
+  }
+
+  /// Whether the neighbour, turned so, has all four corners of a face where this tree has them. It tells more than the face's
+  /// orientation: deal.II's are wrong between cells that are turned against each other. face: of the lattice.
+  bool joinsCorners(const Side& side, const TreeOrientation& turn, int face) const
+  {
+    const auto& corners = file_.connectivity().treeCorners;
+    if (corners.empty())
+    {
+      return false;
+    }
+    const P4estConnectivity::Neighbour& neighbour = this->beyond(side);
+    const TreeOrientation& own = trees_[side.tree].orientation;
+    std::array<std::int32_t, 4> shared;
+    for (int c = 0; c < 4; ++c)
+    {
+      const int ownCorner = faceCorner(side.face, c);
+      const auto place = static_cast<std::uint8_t>(own[ownCorner] ^ 1 << face / 2);
+      const auto otherCorner = std::ranges::find(turn, place) - turn.begin();
+      shared[c] = corners[side.tree][ownCorner];
+      if (shared[c] < 0 || corners[neighbour.tree][otherCorner] != shared[c])
+      {
+        return false;
+      }
+    }
+    // In a periodic direction a face may have one corner twice.
+    std::ranges::sort(shared);
+    return latticeFace(turn, neighbour.face) == (face ^ 1) &&
+      std::ranges::adjacent_find(shared) == shared.end();
   }
 
   const P4estForestFile& file_;

@@ -54,6 +54,8 @@ struct PayloadField
   std::size_t offset; // bytes from the payload's begin
   /// Of which stored values each component is the sum, of a field of floats or doubles; none: the components are stored.
   std::vector<std::vector<Term>> sums{};
+  /// Whether the components are values at the eight corners of a quadrant, in the order of its tree's own axes, x fastest.
+  bool isAtCorners = false;
 };
 
 class PayloadLayout

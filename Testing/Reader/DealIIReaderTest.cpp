@@ -187,6 +187,60 @@ TEST_F(DealIIReaderTest, ValuesOfTheProgram)
     { { "q" }, { "dgq" }, { "dgp" }, { "enriched" }, { "linear" }, { "legendre" }, { "small", 0, 5e-7 } });
 }
 
+// The function that the program interpolated, as checkpoints.cc has it, and the corners of the cells.
+TEST_F(DealIIReaderTest, ValuesAtCorners)
+{
+  const auto wave = [](double x, double y, double z, double phase) {
+    return std::sin(2. * x - 3. * y + z + phase) + x * x * y * z - 0.25 * z;
+  };
+  struct Case
+  {
+    const char* name;
+    const char* payload;
+    std::array<double, 3> origin;
+    std::array<double, 3> spacing;
+    double phase;
+    std::size_t cells;
+  };
+  for (const Case& c :
+    { Case{
+        "cube", "skip; double before, now = FE_Q(1) corners", { -1., -1., -1. }, { 2., 2., 2. }, 2.1, 120 },
+      Case{ "turned", "skip; double now = FE_Q(2) corners", { 0., 0., 0. }, { 1., 1., 1. + 1e-12 }, 1.4, 45 },
+      Case{ "rectangle", "double s(u, now, other) = FE_Q(2)^3 - FE_Q(1) - FE_DGQ(1) corners; skip",
+        { -0.3, 0., 0.1 }, { 0.4, 0.35, 0.3 }, 0.7 + 3., 20 } })
+  {
+    SCOPED_TRACE(c.name);
+    this->setBoxes(c.origin, c.spacing);
+    vtkHyperTreeGrid* const grid = this->read(data + c.name, c.payload);
+    ASSERT_TRUE(errors_.empty()) << errors_[0];
+    vtkDataArray* const array = grid->GetCellData()->GetArray("now");
+    ASSERT_EQ(array->GetNumberOfComponents(), 8);
+    EXPECT_STREQ(array->GetComponentName(6), "011");
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      const std::vector<DrawnCell> cells = drawnCells(grid, "now", corner);
+      ASSERT_EQ(cells.size(), c.cells);
+      for (const DrawnCell& cell : cells)
+      {
+        const auto at = [&](int axis) { return cell.bounds[axis + (corner >> axis & 1 ? 3 : 0)]; };
+        ASSERT_NEAR(cell.value, wave(at(0), at(1), at(2), c.phase), 1e-11);
+      }
+    }
+  }
+  // A coarse cell has what its children have at its own corners: the root's of the cube.
+  this->setBoxes({ -1., -1., -1. }, { 2., 2., 2. });
+  vtkDataArray* const now =
+    this->read(data + "cube", "skip; double before, now = FE_Q(1) corners")->GetCellData()->GetArray("now");
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    const auto at = [&](int axis) { return corner >> axis & 1 ? 1. : -1.; };
+    EXPECT_NEAR(now->GetComponent(0, corner), wave(at(0), at(1), at(2), 2.1), 1e-14);
+  }
+  this->expectError(
+    data + "cube", "double a = FE_DGQ(0) corners; skip", "\"corners\", allowed corners for one component");
+  this->expectError(data + "cube", "skip; double a, b = FE_Q_DG0(1) corners", "\"corners\", allowed corners");
+}
+
 // A system without names of its own, in other words; what is skipped.
 TEST_F(DealIIReaderTest, NamesOfArrays)
 {

@@ -309,7 +309,8 @@ void onOneRank()
   {
     Mesh mesh(MPI_COMM_WORLD);
     makeTurned(mesh);
-    refine(mesh, 1.5, 2);
+    mesh.refine_global(1);
+    refine(mesh, 1.5, 1);
     Checkpoint checkpoint(mesh);
     checkpoint.attach<double>(FE_DGQ<3>(0), 1);
     checkpoint.attach<double>(FE_Q<3>(2), 1);
