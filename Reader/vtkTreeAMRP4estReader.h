@@ -18,8 +18,8 @@
  * A FileName of NAME.info, or of NAME with NAME.info beside it, is a checkpoint of deal.II (`Triangulation::save`): NAME is
  * a forest without payloads, NAME_fixed.data has blocks of bytes for each cell. Here Payload says what each block is, for
  * example `double solution = FE_Q(2); skip; unsigned material` (DealIIBlocks.h has the grammar): arrays have the mean over
- * each cell of functions of finite elements. Without a Payload, blocks of 8 and 64 bytes are read as FE_DGQ(0) and FE_Q(1)
- * if their values look like doubles. A warning says so and lists the blocks.
+ * each cell of functions of finite elements, or after `corners` the values at its eight corners. Without a Payload, blocks
+ * of 8 and 64 bytes are read as FE_DGQ(0) and FE_Q(1) if their values look like doubles. A warning says so and lists the blocks.
  *
  * The cell data selection has the arrays there are, all of them on: those that are off take neither memory
  * nor time. Turn an array off before UpdateInformation() has told of it, and it stays off. When some are off

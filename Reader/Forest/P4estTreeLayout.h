@@ -1,8 +1,9 @@
 // Trees of a connectivity without vertices, laid out from face to face. Private to p4estTreeLattice().
 //
 // The first tree has its axes along those of the lattice. What is beyond a face of a tree that is placed is placed there,
-// turned as the faces are joined. Faces in the direction of rising axes come first, those of trees that were placed first
-// before others: so the first tree of a brick that is periodic stays at its origin.
+// turned as the faces are joined, which the corners that both have tell before the file's word on the face. Faces in the
+// direction of rising axes come first, those of trees that were placed first before others: so the first tree of a brick
+// that is periodic stays at its origin.
 #pragma once
 
 #include "Forest/P4estForestFile.h"
