@@ -174,8 +174,11 @@ void divide(const CellId& cell, const std::vector<IndexBox>& finer, const Leaf& 
     bool isCovered = false;
     for (const IndexBox& other : finer)
     {
-      isPartOf = isPartOf || other.intersects(box.refined(other.level));
-      isCovered = isCovered || other.contains(box.refined(other.level));
+      const int level = std::max(other.level, child.level); // boxes are of several
+      const IndexBox otherThere = other.refined(level);
+      const IndexBox boxThere = box.refined(level);
+      isPartOf = isPartOf || otherThere.intersects(boxThere);
+      isCovered = isCovered || otherThere.contains(boxThere);
     }
     if (!isPartOf)
     {
