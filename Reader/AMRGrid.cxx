@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <map>
 
 namespace treeamr
 {
@@ -207,7 +208,7 @@ public:
     : blocks_(blocks)
     , lattice_(sizesOf(blocks), 0x1p-53)
   {
-    std::vector<IndexBox> boxes;
+    std::map<int, std::vector<IndexBox>> boxes; // by level
     for (std::size_t b = 0; b < blocks.size(); ++b)
     {
       const AMRBlock& block = blocks[b];
@@ -217,18 +218,18 @@ public:
       const bool hasOwn = own.low[0] < own.high[0];
       if (hasOwn)
       {
-        boxes.push_back(placeOf(block, own));
-      }
-      if (!boxes.empty() && (b + 1 == blocks.size() || blocks[b + 1].level() != block.level()))
-      {
-        levels_.emplace_back(std::move(boxes));
-        boxes.clear();
+        const IndexBox box = placeOf(block, own);
+        boxes[box.level].push_back(box);
       }
       const vtkIdType length = std::max<vtkIdType>((1 << 14) / (x * y), 1);
       for (vtkIdType begin = 0; begin < z; begin += length)
       {
         chunks_.push_back({ b, begin, std::min(begin + length, z) });
       }
+    }
+    for (auto& [level, ofLevel] : boxes)
+    {
+      levels_.emplace_back(std::move(ofLevel));
     }
   }
 

@@ -167,20 +167,12 @@ public:
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
     const std::lock_guard lock(mutex_);
-    const vtkIdType first = firstChild + std::countr_zero(present);
-    array_->SetTuple(node, first, array_);
-    for (unsigned missing = ~present & 0xff; missing != 0; missing &= missing - 1)
-    {
-      array_->SetTuple(firstChild + std::countr_zero(missing), first, array_);
-    }
+    array_->SetTuple(node, firstChild + std::countr_zero(present), array_);
   }
-  void setMissing(vtkIdType node) override
+  void setMissing(vtkIdType node, vtkIdType sibling) override
   {
-    for (int c = 0; c < array_->GetNumberOfComponents(); ++c)
-    {
-      array_->SetVariantValue(node * array_->GetNumberOfComponents() + c,
-        array_->GetDataType() == VTK_STRING ? vtkVariant("") : vtkVariant(0));
-    }
+    const std::lock_guard lock(mutex_);
+    array_->SetTuple(node, sibling, array_);
   }
   vtkAbstractArray* array() const noexcept override { return array_; }
 

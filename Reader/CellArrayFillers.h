@@ -32,19 +32,32 @@ public:
   virtual void setLeaf(vtkIdType node, const TreeLeaf& leaf) = 0;
   /// Told some leaves before that of this number, whose values may lie anywhere.
   virtual void prepare(std::uint64_t /*number*/) const {}
-  /// present: mask of the children that have cells, one at least. The others get a value of these: VTK's ranges of arrays
-  /// count masked cells, too.
+  /// present: mask of the children that have cells, one at least.
   virtual void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) = 0;
-  /// Where there is no cell, before its parent.
-  virtual void setMissing(vtkIdType node) = 0;
+  /// Where there is no cell, as another child of the same parent.
+  virtual void setMissing(vtkIdType node, vtkIdType sibling) = 0;
   virtual vtkAbstractArray* array() const noexcept = 0;
 };
+
+/// An inner node and its children without cells, which have a value of those with one: VTK's ranges of arrays count masked
+/// cells, too.
+inline void fillFamily(CellArrayFiller& filler, vtkIdType node, vtkIdType firstChild, unsigned present)
+{
+  for (unsigned missing = ~present & 0xff; missing != 0; missing &= missing - 1)
+  {
+    filler.setMissing(firstChild + std::countr_zero(missing), firstChild + std::countr_zero(present));
+  }
+  filler.setInner(node, firstChild, present);
+}
 
 template <class T>
 class TypedFiller : public CellArrayFiller
 {
 public:
-  void setMissing(vtkIdType node) override { std::fill_n(tuple(node), components_, T()); }
+  void setMissing(vtkIdType node, vtkIdType sibling) override
+  {
+    std::copy_n(tuple(sibling), components_, tuple(node));
+  }
   vtkAbstractArray* array() const noexcept override { return array_; }
 
 protected:
@@ -61,14 +74,6 @@ protected:
     values_ = typed->GetPointer(0);
   }
   T* tuple(vtkIdType node) { return values_ + node * components_; }
-  void setMissingChildren(vtkIdType firstChild, unsigned present)
-  {
-    const T* const value = tuple(firstChild + std::countr_zero(present));
-    for (unsigned missing = ~present & 0xff; missing != 0; missing &= missing - 1)
-    {
-      std::copy_n(value, components_, tuple(firstChild + std::countr_zero(missing)));
-    }
-  }
 
 private:
   vtkSmartPointer<vtkDataArray> array_;
@@ -94,10 +99,10 @@ public:
     {
       if constexpr (std::is_floating_point_v<T>)
       {
-        double sum = 0.; // missing ones are 0
-        for (int child = 0; child < 8; ++child)
+        double sum = 0.;
+        for (unsigned child = 0; child < 8; ++child)
         {
-          sum += children[child * this->components_ + c];
+          sum += present >> child & 1 ? children[child * this->components_ + c] : 0.;
         }
         value[c] = static_cast<T>(sum / count);
       }
@@ -106,7 +111,6 @@ public:
         value[c] = children[std::countr_zero(present) * this->components_ + c];
       }
     }
-    this->setMissingChildren(firstChild, present);
   }
 };
 
@@ -188,12 +192,11 @@ public:
         leaf.payload + field_.offset + field_.sums[c][0].index * sizeof(T), sizeof(T));
     }
   }
-  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned /*present*/) override
   {
     for (int c = 0; c < 8; ++c)
     {
-      const int child = present >> c & 1 ? c : std::countr_zero(present);
-      this->tuple(node)[c] = this->tuple(firstChild + child)[c];
+      this->tuple(node)[c] = this->tuple(firstChild + c)[c];
     }
   }
 
@@ -213,9 +216,8 @@ public:
   {
     *tuple(node) = static_cast<unsigned char>(leaf.level);
   }
-  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned /*present*/) override
   {
-    setMissingChildren(firstChild, present);
     *tuple(node) = static_cast<unsigned char>(*tuple(firstChild) - 1);
   }
 };
@@ -228,9 +230,8 @@ public:
   {
   }
   void setLeaf(vtkIdType node, const TreeLeaf& leaf) override { *tuple(node) = leaf.tree; }
-  void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned /*present*/) override
   {
-    setMissingChildren(firstChild, present);
     *tuple(node) = *tuple(firstChild);
   }
 };

@@ -183,12 +183,7 @@ void HyperTreeGridBuilder::mask()
     mask_->SetNumberOfValues(nodeCount());
     std::fill_n(mask_->GetPointer(0), (nodeCount() + 7) / 8, static_cast<unsigned char>(0));
   }
-  const vtkIdType node = treeStarts_[treeNumber_] + node_[level_];
-  mask_->SetValue(node, 1);
-  for (const auto& filler : fillers_)
-  {
-    filler->setMissing(node);
-  }
+  mask_->SetValue(treeStarts_[treeNumber_] + node_[level_], 1);
   goOn(false);
 }
 
@@ -212,7 +207,7 @@ void HyperTreeGridBuilder::goOn(bool hasCell)
     --level_;
     for (const auto& filler : fillers_)
     {
-      filler->setInner(treeStarts_[treeNumber_] + node_[level_],
+      fillFamily(*filler, treeStarts_[treeNumber_] + node_[level_],
         treeStarts_[treeNumber_] + firstChild_[level_], filled_[level_]);
     }
     hasCell = filled_[level_] != 0;

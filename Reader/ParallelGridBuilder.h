@@ -249,12 +249,7 @@ private:
           bits->SetNumberOfValues(nodeCount());
           std::fill_n(bits->GetPointer(0), (nodeCount() + 7) / 8, static_cast<unsigned char>(0));
         }
-        const vtkIdType node = firstChild(n) + std::countr_zero(missing);
-        bits->SetValue(node, 1);
-        for (const auto& filler : fillers_)
-        {
-          filler->setMissing(node);
-        }
+        bits->SetValue(firstChild(n) + std::countr_zero(missing), 1);
       }
     }
     if (bits)
@@ -269,7 +264,7 @@ private:
     const auto fill = [&](std::uint64_t n) {
       for (const auto& filler : fillers_)
       {
-        filler->setInner(inner_[n].node, firstChild(n), inner_[n].present);
+        fillFamily(*filler, inner_[n].node, firstChild(n), inner_[n].present);
       }
     };
     std::vector<std::vector<std::uint64_t>> open(parts_.size()); // by part, from the deepest up

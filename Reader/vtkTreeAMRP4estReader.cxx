@@ -112,7 +112,7 @@ public:
   {
     this->Filler->setInner(node, firstChild, present);
   }
-  void setMissing(vtkIdType node) override { this->Filler->setMissing(node); }
+  void setMissing(vtkIdType node, vtkIdType sibling) override { this->Filler->setMissing(node, sibling); }
   vtkAbstractArray* array() const noexcept override { return this->Filler->array(); }
 
 private:
