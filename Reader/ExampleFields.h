@@ -142,6 +142,20 @@ private:
   std::vector<std::vector<Blob>> buckets_ = std::vector<std::vector<Blob>>(size * size * size);
 };
 
+/// The same from 0 to 1, its small values larger: half way up, where surfaces are by default, are the sheet and most
+/// blobs, not the blobs alone that lie on each other.
+class SaturatedSheet
+{
+public:
+  double operator()(double x, double y, double z) const noexcept
+  {
+    return 1. - std::exp(-2. * sheet_(x, y, z));
+  }
+
+private:
+  Sheet sheet_;
+};
+
 /// max - min of field(x, y, z) over 3 x 3 x 3 probes of a cubic cell, at the fractions 1/6, 1/2 and 5/6 of
 /// its width: the centres of its 27 thirds. A cell is refined when this exceeds the threshold.
 template <class Field>

@@ -14,12 +14,18 @@
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include <array>
 #include <cmath>
+#include <string>
 
 vtkStandardNewMacro(vtkTreeAMRExampleSource);
 
 namespace
 {
+
+/// In DatasetType's order.
+constexpr std::array<const char*, 3> DatasetNames = { "Synthetic", "Mandelbulb", "Sheet" };
+constexpr std::array<const char*, 3> ArrayNames = { "xyz", "mandelbulb", "sheet" };
 
 constexpr int SyntheticRoots = 4;
 constexpr int DeepestLevel = 12;
@@ -90,16 +96,19 @@ void BuildSynthetic(vtkHyperTreeGrid* grid)
       }
     }
   }
-  AddCellScalars(grid, values, "xyz");
+  AddCellScalars(grid, values, ArrayNames[vtkTreeAMRExampleSource::SYNTHETIC]);
 }
 
-/// The children of the n-th refined cell, level by level, are vertices 8 n + 1 to 8 n + 8.
-void BuildMandelbulb(vtkHyperTreeGrid* grid, int minimumLevel, int maximumLevel, double threshold)
+/// A tree over the unit cube with the values of field(x, y, z), which several threads call. The children of the n-th
+/// refined cell, level by level, are vertices 8 n + 1 to 8 n + 8.
+template <class Field>
+void BuildRefined(vtkHyperTreeGrid* grid, const Field& field, const char* name, int minimumLevel,
+  int maximumLevel, double threshold)
 {
-  const auto refine = [threshold](const std::array<std::uint32_t, 3>& index, int level) {
+  const auto refine = [&field, threshold](const std::array<std::uint32_t, 3>& index, int level) {
     const double width = std::ldexp(1., -level);
-    return treeamr::rangeOverProbes(treeamr::mandelbulb,
-             { index[0] * width, index[1] * width, index[2] * width }, width) > threshold;
+    return treeamr::rangeOverProbes(
+             field, { index[0] * width, index[1] * width, index[2] * width }, width) > threshold;
   };
   const treeamr::BalancedTreeBuilder builder(minimumLevel, maximumLevel, CellLimit, refine);
 
@@ -136,8 +145,7 @@ void BuildMandelbulb(vtkHyperTreeGrid* grid, int minimumLevel, int maximumLevel,
   const auto evaluate = [&](vtkIdType vertex, treeamr::MortonKey key, std::size_t level) {
     const std::array<std::uint32_t, 3> index = treeamr::mortonIndex(key);
     const double width = std::ldexp(1., -static_cast<int>(level));
-    value[vertex] =
-      treeamr::mandelbulb((index[0] + 0.5) * width, (index[1] + 0.5) * width, (index[2] + 0.5) * width);
+    value[vertex] = field((index[0] + 0.5) * width, (index[1] + 0.5) * width, (index[2] + 0.5) * width);
   };
   if (refinedVertices.empty())
   {
@@ -163,7 +171,7 @@ void BuildMandelbulb(vtkHyperTreeGrid* grid, int minimumLevel, int maximumLevel,
   {
     value[refinedVertices[n]] = MeanOfChildren(value + 8 * n + 1);
   }
-  AddCellScalars(grid, values, "mandelbulb");
+  AddCellScalars(grid, values, name);
 }
 
 } // namespace
@@ -176,7 +184,8 @@ vtkTreeAMRExampleSource::vtkTreeAMRExampleSource()
 void vtkTreeAMRExampleSource::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Dataset: " << (this->Dataset == SYNTHETIC ? "Synthetic" : "Mandelbulb") << "\n";
+  os << indent << "Dataset: "
+     << (this->Dataset >= SYNTHETIC && this->Dataset <= SHEET ? DatasetNames[this->Dataset] : "unknown") << "\n";
   os << indent << "MinimumLevel: " << this->MinimumLevel << "\n";
   os << indent << "MaximumLevel: " << this->MaximumLevel << "\n";
   os << indent << "RefinementThreshold: " << this->RefinementThreshold << "\n";
@@ -202,9 +211,10 @@ int vtkTreeAMRExampleSource::RequestInformation(
 void vtkTreeAMRExampleSource::CheckProperties()
 {
   const auto fail = [](const std::string& what) { throw treeamr::Error("example: " + what); };
-  if (this->Dataset != SYNTHETIC && this->Dataset != MANDELBULB)
+  if (this->Dataset < SYNTHETIC || this->Dataset > SHEET)
   {
-    fail("Dataset is " + std::to_string(this->Dataset) + ", allowed are 0 (Synthetic) and 1 (Mandelbulb)");
+    fail("Dataset is " + std::to_string(this->Dataset) +
+      ", allowed are 0 (Synthetic), 1 (Mandelbulb) and 2 (Sheet)");
   }
   if (this->MaximumLevel < 0 || this->MaximumLevel > DeepestLevel)
   {
@@ -235,7 +245,7 @@ int vtkTreeAMRExampleSource::RequestData(
     InitializeGrid(output, synthetic ? SyntheticRoots : 1, 1.);
     if (info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
     {
-      AddCellScalars(output, vtkNew<vtkDoubleArray>(), synthetic ? "xyz" : "mandelbulb");
+      AddCellScalars(output, vtkNew<vtkDoubleArray>(), ArrayNames[this->Dataset]);
     }
     else if (synthetic)
     {
@@ -243,7 +253,11 @@ int vtkTreeAMRExampleSource::RequestData(
     }
     else
     {
-      BuildMandelbulb(output, this->MinimumLevel, this->MaximumLevel, this->RefinementThreshold);
+      const auto build = [&](const auto& field) {
+        BuildRefined(output, field, ArrayNames[this->Dataset], this->MinimumLevel, this->MaximumLevel,
+          this->RefinementThreshold);
+      };
+      this->Dataset == SHEET ? build(treeamr::SaturatedSheet()) : build(treeamr::mandelbulb);
     }
   }
   catch (const std::exception& e)

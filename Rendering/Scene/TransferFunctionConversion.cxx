@@ -127,9 +127,9 @@ public:
   {
     next_ = i;
     isInside_ = i > 0 && i < nodes_.size();
-    isLine_ = !isInside_ ||
+    isLine_ = !isInside_ || !table_.empty() ||
       (!isLogarithmic_ && segment_->GetColorSpace() == VTK_CTF_RGB && isStraight(&nodes_[i - 1][4]));
-    if (!isLine_ && table_.empty())
+    if (!isLine_)
     {
       segment_->RemoveAllPoints();
       for (const auto& [x, r, g, b, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
@@ -139,8 +139,19 @@ public:
     }
   }
   bool isLine() const { return isLine_; }
+  std::size_t countInTable() const { return table_.size(); }
+  /// The value of a table's entry.
+  double tableValue(std::size_t i) const
+  {
+    const double part = static_cast<double>(i) / static_cast<double>(table_.size() - 1);
+    return isLogarithmic_ ? first_ * std::pow(last_ / first_, part) : std::lerp(first_, last_, part);
+  }
   Color at(double value)
   {
+    if (isInside_ && !table_.empty())
+    {
+      return inTable(value);
+    }
     Color color;
     if (isInside_ && isLine_)
     {
@@ -152,10 +163,6 @@ public:
         color[c] = std::lerp(a[c + 1], b[c + 1], part);
       }
       return color;
-    }
-    if (isInside_ && !table_.empty())
-    {
-      return inTable(value);
     }
     value = withLogarithm(value, isLogarithmic_, nodes_);
     (isInside_ ? segment_ : function_)->GetTable(value, value, 1, color.data());
@@ -220,7 +227,7 @@ public:
     }
   }
 
-  /// Values of nodes, in order.
+  /// Values between which each function is smooth, in order: of nodes, and of a table's entries.
   std::vector<double> values() const
   {
     std::vector<double> values;
@@ -232,6 +239,10 @@ public:
     };
     add(opacities_);
     grays_ ? add(*grays_) : add(*colors_);
+    for (std::size_t i = 0; colors_ && i < colors_->countInTable(); ++i)
+    {
+      values.push_back(colors_->tableValue(i) - offset_);
+    }
     std::sort(values.begin(), values.end());
     values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
@@ -255,7 +266,15 @@ public:
     grays_ ? chooseIn(*grays_, nextColor_) : chooseIn(*colors_, nextColor_);
   }
 
-  Entry at(double relative)
+  /// What the functions are at a value.
+  struct Sample
+  {
+    double value;
+    double opacity;
+    Entry entry;
+  };
+
+  Sample at(double relative)
   {
     const double value = offset_ + relative;
     Color color;
@@ -267,13 +286,15 @@ public:
     {
       color = colors_->at(value);
     }
-    return { static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2]),
-      TransferFunction::extinctionFromOpacity(opacities_.at(value), unitDistance_) };
+    const double opacity = opacities_.at(value);
+    return { relative, opacity,
+      { static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2]),
+        TransferFunction::extinctionFromOpacity(opacity, unitDistance_) } };
   }
 
-  /// Whether colours and opacities are lines now, so that extinctions alone bend.
-  bool areLines() const { return opacities_.isLine() && (grays_ ? grays_->isLine() : colors_->isLine()); }
-  double opacityAt(double relative) { return opacities_.at(offset_ + relative); }
+  bool areColorsLines() const { return grays_ ? grays_->isLine() : colors_->isLine(); }
+  /// So that extinctions bend as those of a line do.
+  bool areOpacitiesLines() const { return opacities_.isLine(); }
   double unitDistance() const { return unitDistance_; }
   /// By which values must differ for the functions to tell them apart.
   double rounding() const { return 4. * std::numeric_limits<double>::epsilon() * std::abs(offset_); }
@@ -306,7 +327,7 @@ public:
   NodeList(PropertyFunctions& functions, std::size_t count)
     : functions_(functions)
     // What many segments err by is not seen as one colour.
-    , part_(count < 128 ? 1. / 2048. : 1. / 320.)
+    , part_(count < 128 ? 1. / 2048. : 1. / 216.)
   {
   }
 
@@ -322,21 +343,31 @@ public:
       const double least = beside * (size == 0. ? b - a : std::min(b - a, size));
       return std::min(std::max({ functions_.rounding(), rounding * size, least }), 0.25 * (b - a));
     };
-    const double begin = a + inset(a);
-    const double end = b - inset(b);
-    const Entry first = functions_.at(begin);
-    const Entry last = functions_.at(end);
-    const Entry atEnd = functions_.at(b);
-    this->begin(a, first);
-    if (functions_.areLines())
+    Sample first = functions_.at(a + inset(a));
+    first.value = a;
+    Sample last = functions_.at(b - inset(b));
+    last.value = b;
+    const Entry atEnd = functions_.at(b).entry;
+    begin(a, first.entry);
+    if (!functions_.areOpacitiesLines())
     {
-      addCurve(a, first, functions_.opacityAt(begin), b, last, functions_.opacityAt(end));
+      const auto follows = [this](const Entry& entry, const Entry& line) { return isClose(entry, line); };
+      refine(first, last, middleOf(first, last), follows, [this](const Sample& sample) { add(sample); });
     }
     else
     {
-      refine(a, first, b, last);
+      Sample before = first;
+      if (!functions_.areColorsLines())
+      {
+        refine(first, last, middleOf(first, last), hasColorOf, [&](const Sample& sample) {
+          addCurve(before, sample);
+          add(sample);
+          before = sample;
+        });
+      }
+      addCurve(before, last);
     }
-    end_ = last;
+    end_ = last.entry;
     atEnd_ = atEnd;
   }
   /// What holds up to where the first segment begins.
@@ -349,6 +380,8 @@ public:
   }
 
 private:
+  using Sample = PropertyFunctions::Sample;
+
   /// A node between two segments.
   void begin(double value, const Entry& above)
   {
@@ -388,12 +421,15 @@ private:
     nodes_.push_back(node);
   }
 
-  /// Adds nodes inside of a segment of lines until lines follow its extinctions, -log(1 - opacity).
-  void addCurve(double a, const Entry& ofA, double opacityOfA, double b, const Entry& ofB, double opacityOfB)
+  void add(const Sample& sample) { add(Node{ sample.value, sample.entry, sample.entry }); }
+
+  /// Adds nodes between two samples, between which colour and opacity are lines, until lines follow the extinctions,
+  /// -log(1 - opacity).
+  void addCurve(const Sample& a, const Sample& b)
   {
-    const auto [low, high] = std::minmax(opacityOfA, opacityOfB);
+    const auto [low, high] = std::minmax(a.opacity, b.opacity);
     const double least = 1. - high;
-    const double change = opacityOfB - opacityOfA;
+    const double change = b.opacity - a.opacity;
     std::vector<double> opacities;
     if (low < 0. && high > 0.)
     {
@@ -422,12 +458,12 @@ private:
     }
     for (const double opacity : opacities)
     {
-      const double part = (opacity - opacityOfA) / change;
+      const double part = (opacity - a.opacity) / change;
       const auto color = static_cast<float>(part);
-      const Entry entry{ std::lerp(ofA.r, ofB.r, color), std::lerp(ofA.g, ofB.g, color),
-        std::lerp(ofA.b, ofB.b, color),
-        TransferFunction::extinctionFromOpacity(opacity, functions_.unitDistance()) };
-      add({ std::lerp(a, b, part), entry, entry });
+      add(Sample{ std::lerp(a.value, b.value, part), opacity,
+        { std::lerp(a.entry.r, b.entry.r, color), std::lerp(a.entry.g, b.entry.g, color),
+          std::lerp(a.entry.b, b.entry.b, color),
+          TransferFunction::extinctionFromOpacity(opacity, functions_.unitDistance()) } });
     }
   }
 
@@ -435,45 +471,57 @@ private:
   /// quarter of the unit distance as much, here.
   double partOf(double extinction) const { return std::min(part_ * std::exp(0.25 * extinction), 0.25); }
 
-  /// Adds nodes inside of the segment from a to b until lines follow it.
-  void refine(double a, const Entry& ofA, double b, const Entry& ofB)
+  Sample middleOf(const Sample& a, const Sample& b)
+  {
+    // Where values span octaves, so may what happens among them.
+    const bool spansOctaves = a.value > 0. && b.value > 2. * a.value;
+    return functions_.at(
+      spansOctaves ? std::sqrt(a.value) * std::sqrt(b.value) : 0.5 * (a.value + b.value));
+  }
+
+  /// Adds samples between a and b until entries follow the lines between these.
+  template <class Follows, class Add>
+  void refine(
+    const Sample& a, const Sample& b, const Sample& middle, const Follows& follows, const Add& addSample)
   {
     // Two floats, which have nothing in between.
     constexpr float infinity = std::numeric_limits<float>::infinity();
-    const auto largest = static_cast<float>(std::max(std::abs(a), std::abs(b)));
-    if (b - a <= std::nextafter(largest, infinity) - largest)
+    const auto largest = static_cast<float>(std::max(std::abs(a.value), std::abs(b.value)));
+    if (b.value - a.value <= std::nextafter(largest, infinity) - largest)
     {
       return;
     }
-    // Where values span octaves, so may what happens among them.
-    const bool spansOctaves = a > 0. && b > 2. * a;
-    const double middle = spansOctaves ? std::sqrt(a) * std::sqrt(b) : 0.5 * (a + b);
-    const Entry ofMiddle = functions_.at(middle);
-    const auto follows = [&](double value, const Entry& entry) {
-      return isClose(entry, TransferFunction::between(ofA, ofB, static_cast<float>((value - a) / (b - a))));
+    const Sample low = middleOf(a, middle);
+    const Sample high = middleOf(middle, b);
+    const auto isOnLine = [&](const Sample& sample) {
+      const auto part = static_cast<float>((sample.value - a.value) / (b.value - a.value));
+      return follows(sample.entry, TransferFunction::between(a.entry, b.entry, part));
     };
-    const double low = std::lerp(a, middle, 0.25);
-    const double high = std::lerp(b, middle, 0.25);
-    if (follows(middle, ofMiddle) && follows(low, functions_.at(low)) && follows(high, functions_.at(high)))
+    if (isOnLine(low) && isOnLine(middle) && isOnLine(high))
     {
       return;
     }
-    refine(a, ofA, middle, ofMiddle);
-    add({ middle, ofMiddle, ofMiddle });
-    refine(middle, ofMiddle, b, ofB);
+    refine(a, middle, low, follows, addSample);
+    addSample(middle);
+    refine(middle, b, high, follows, addSample);
+  }
+
+  static bool hasColorOf(const Entry& a, const Entry& b)
+  {
+    constexpr float channel = 1.f / 1024.f;
+    return std::abs(a.r - b.r) <= channel && std::abs(a.g - b.g) <= channel && std::abs(a.b - b.b) <= channel;
   }
 
   bool isClose(const Entry& a, const Entry& b) const
   {
-    constexpr float channel = 1.f / 1024.f;
+    constexpr double channel = 1. / 1024.;
     constexpr double nothing = 1e-8; // of opacity
     const double change =
       std::abs(static_cast<double>(a.extinction) - b.extinction) * functions_.unitDistance();
     const double largest = std::max(a.extinction, b.extinction) * functions_.unitDistance();
     const double least = largest - change;
     const double most = std::max(largest * partOf(least), nothing);
-    return std::abs(a.r - b.r) <= channel && std::abs(a.g - b.g) <= channel &&
-      std::abs(a.b - b.b) <= channel && std::exp(-least) - std::exp(-largest) <= channel && change <= most;
+    return hasColorOf(a, b) && std::exp(-least) - std::exp(-largest) <= channel && change <= most;
   }
 
   /// The largest of a channel.
@@ -502,7 +550,7 @@ TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range data
   NodeList nodes(functions, values.size());
   double at = dataRange.min;
   functions.choose(at);
-  nodes.beginWith(functions.at(at));
+  nodes.beginWith(functions.at(at).entry);
   for (const double value : values)
   {
     if (value > at && value < dataRange.max)

@@ -21,7 +21,7 @@ def statistic(renderer, name):
 
 class TestMotion(scene.TestCase):
     def show(self):
-        source = simple.TreeAMRExample(MinimumLevel=2, MaximumLevel=5)
+        source = simple.TreeAMRExample(Dataset="Mandelbulb", MinimumLevel=2, MaximumLevel=5)
         self.view = scene.view()
         self.representation = simple.Show(source, self.view)
         simple.ColorBy(self.representation, ("CELLS", "mandelbulb"))

@@ -34,8 +34,8 @@ class TestProxies(scene.TestCase):
 
     def test_example_defaults_are_those_of_the_class(self):
         proxy, source = simple.TreeAMRExample(), vtkTreeAMRExampleSource()
-        self.assertEqual("Mandelbulb", proxy.Dataset)
-        self.assertEqual(source.GetDataset(), vtkTreeAMRExampleSource.MANDELBULB)
+        self.assertEqual("Sheet", proxy.Dataset)
+        self.assertEqual(source.GetDataset(), vtkTreeAMRExampleSource.SHEET)
         self.assertEqual(source.GetMinimumLevel(), proxy.MinimumLevel)
         self.assertEqual(source.GetMaximumLevel(), proxy.MaximumLevel)
         self.assertEqual(source.GetRefinementThreshold(), proxy.RefinementThreshold)
@@ -47,7 +47,7 @@ class TestProxies(scene.TestCase):
 
     def test_p4est_reader(self):
         """A forest that libp4est has saved, opened by its name, is the example of the same levels."""
-        example = simple.TreeAMRExample(MinimumLevel=2, MaximumLevel=4)
+        example = simple.TreeAMRExample(Dataset="Mandelbulb", MinimumLevel=2, MaximumLevel=4)
         for reader in (simple.OpenDataFile(FOREST), simple.TreeAMRP4estReader(FileName=FOREST)):
             self.assertEqual("TreeAMRP4estReader", reader.GetXMLName())
             reader.Payload = "double bulb"

@@ -146,33 +146,53 @@ TEST(ExampleSource, SyntheticIsThePapers)
   EXPECT_EQ(acquireField(grid, { "xyz" })->octree().leafCount(), 288u);
 }
 
-TEST(ExampleSource, MandelbulbHasTheLeavesOfTheBalancedForest)
+namespace
 {
-  vtkNew<vtkTreeAMRExampleSource> source;
+
+/// With the defaults: the leaves that p8est_balance has for the same criterion, and their values.
+template <class FieldFunction>
+void expectLeavesOfTheBalancedForest(
+  vtkTreeAMRExampleSource* source, const char* name, const FieldFunction& field, std::size_t leaves)
+{
   source->Update();
   vtkHyperTreeGrid* grid = source->GetHyperTreeGridOutput();
-  EXPECT_EQ(grid->GetNumberOfLeaves(), 305096); // p8est_balance's figure for the same criterion
   ASSERT_NE(grid->GetCellData()->GetScalars(), nullptr);
-  EXPECT_STREQ(grid->GetCellData()->GetScalars()->GetName(), "mandelbulb");
-  const std::vector<DrawnCell> cells = drawnCells(grid, "mandelbulb");
-  ASSERT_EQ(cells.size(), 305096u);
+  EXPECT_STREQ(grid->GetCellData()->GetScalars()->GetName(), name);
+  const std::vector<DrawnCell> cells = drawnCells(grid, name);
+  ASSERT_EQ(cells.size(), leaves);
   double volume = 0.;
   for (const DrawnCell& cell : cells)
   {
     const auto [x, y, z] = centreOf(cell);
-    ASSERT_EQ(cell.value, mandelbulb(x, y, z));
+    ASSERT_EQ(cell.value, field(x, y, z));
     ASSERT_GE(widthOf(cell), 1. / 128.);
     ASSERT_LE(widthOf(cell), 1. / 16.);
     volume += std::pow(widthOf(cell), 3.);
   }
   EXPECT_EQ(volume, 1.);
   EXPECT_TRUE(LeafMap(cells).isBalanced());
-  expectMeans(grid, "mandelbulb");
+  expectMeans(grid, name);
+}
+
+} // namespace
+
+TEST(ExampleSource, MandelbulbHasTheLeavesOfTheBalancedForest)
+{
+  vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToMandelbulb();
+  expectLeavesOfTheBalancedForest(source, "mandelbulb", mandelbulb, 305096);
+}
+
+TEST(ExampleSource, ASheetByDefault)
+{
+  vtkNew<vtkTreeAMRExampleSource> source;
+  expectLeavesOfTheBalancedForest(source, "sheet", SaturatedSheet(), 617296);
 }
 
 TEST(ExampleSource, RefinesWhatTheThresholdAsksFor)
 {
   vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToMandelbulb();
   source->SetMinimumLevel(1);
   source->SetMaximumLevel(5);
   source->SetRefinementThreshold(0.3);
@@ -201,6 +221,7 @@ TEST(ExampleSource, RefinesWhatTheThresholdAsksFor)
 TEST(ExampleSource, TakesTheSmallestAndUniformLevels)
 {
   vtkNew<vtkTreeAMRExampleSource> source;
+  source->SetDatasetToMandelbulb();
   source->SetMinimumLevel(0);
   source->SetMaximumLevel(0);
   source->Update();
@@ -219,7 +240,8 @@ TEST(ExampleSource, TakesTheSmallestAndUniformLevels)
 
 TEST(ExampleSource, LeavesOtherPiecesEmpty)
 {
-  for (const int dataset : { vtkTreeAMRExampleSource::SYNTHETIC, vtkTreeAMRExampleSource::MANDELBULB })
+  for (const int dataset : { vtkTreeAMRExampleSource::SYNTHETIC, vtkTreeAMRExampleSource::MANDELBULB,
+                            vtkTreeAMRExampleSource::SHEET })
   {
     vtkNew<vtkTreeAMRExampleSource> source;
     source->SetDataset(dataset);
@@ -248,7 +270,7 @@ TEST(ExampleSource, RefusesPropertiesOutOfRange)
     EXPECT_EQ(source->GetHyperTreeGridOutput()->GetCellData()->GetNumberOfArrays(), 0);
   };
   using Source = vtkTreeAMRExampleSource*;
-  expectError([](Source s) { s->SetDataset(2); }, "Dataset is 2");
+  expectError([](Source s) { s->SetDataset(3); }, "Dataset is 3");
   expectError(
     [](Source s) { s->SetMinimumLevel(3); }, "MinimumLevel is 3, allowed is 0 to MaximumLevel, which is 2");
   expectError([](Source s) { s->SetMinimumLevel(-1); }, "MinimumLevel is -1");

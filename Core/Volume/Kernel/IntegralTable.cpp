@@ -67,19 +67,24 @@ float toFloat(double x)
 /// Calls add(part of the way, entry) for what is between two entries, until products of colour and extinction, of which
 /// each is a line, are lines themselves: the colour errs by `tolerance` of a channel.
 template <class Add>
-void divide(const Entry& a, const Entry& b, float tolerance, double begin, double end, const Add& add)
+void divide(const Entry& a, const Entry& b, double tolerance, const Add& add)
 {
-  const float sum = a.extinction + b.extinction;
-  const float change = std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) });
-  if (!(std::abs(b.extinction - a.extinction) * change > 2.f * tolerance * sum))
+  const double change = std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) });
+  const double slope = static_cast<double>(b.extinction) - a.extinction;
+  // Over a part h of the way it errs by change |slope| h^2 / 2 of the sum of the extinctions where it begins and ends.
+  const double bend = change * std::abs(slope);
+  if (!(bend > 2. * tolerance * (static_cast<double>(a.extinction) + b.extinction)))
   {
     return;
   }
-  const Entry middle = TransferFunction::between(a, b, 0.5f);
-  const double half = 0.5 * (begin + end);
-  divide(a, middle, tolerance, begin, half, add);
-  add(half, middle);
-  divide(middle, b, tolerance, half, end, add);
+  const auto width = [&](double part) {
+    const double extinction = a.extinction + part * slope;
+    return (tolerance * slope + std::sqrt(tolerance * (tolerance * slope * slope + 4. * bend * extinction))) / bend;
+  };
+  for (double part = width(0.); part < 1.; part += width(part))
+  {
+    add(part, TransferFunction::between(a, b, static_cast<float>(part)));
+  }
 }
 
 /// The largest float up to x and the smallest from it on.
@@ -127,10 +132,10 @@ IntegralTable::IntegralTable(
   places_.insert(places_.end(), std::size_t(1) << index_.halvings, std::numeric_limits<float>::infinity());
 }
 
-/// Without those on lines between others, to 1/4096 of a channel.
-std::vector<IntegralTable::Station> IntegralTable::thinned(const std::vector<Station>& stations)
+/// Without those on lines between others, to so much of a channel to either side.
+std::vector<IntegralTable::Station> IntegralTable::thinned(
+  const std::vector<Station>& stations, double tolerance)
 {
-  constexpr double tolerance = 1. / 8192.;
   std::vector<Station> kept;
   EmissionTerms anchor{};
   std::array<double, 4> least{}; // slopes of lines from the last one kept that pass all since close enough
@@ -180,7 +185,7 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
 {
   // What thousands of parts err by is not seen as one colour, and their rows fill caches.
   constexpr std::size_t many = 4096;
-  const float tolerance = nodes.size() > many ? 1.f / 512.f : 1.f / 2048.f;
+  const double tolerance = nodes.size() > many ? 1. / 512. : 1. / 2048.;
   std::vector<Station> stations;
   const auto add = [&](double value, const Entry& below, const Entry& above) {
     Station station{ toFloat(placeOf(value)), below, above };
@@ -219,11 +224,11 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
     if (i + 1 < nodes.size())
     {
       const Node& next = nodes[i + 1];
-      divide(node.above, next.below, tolerance, 0., 1.,
+      divide(node.above, next.below, tolerance,
         [&](double part, const Entry& entry) { add(std::lerp(node.value, next.value, part), entry, entry); });
     }
   }
-  return thinned(stations);
+  return thinned(stations, tolerance / 4.);
 }
 
 void IntegralTable::makeRows(const std::vector<Station>& stations, double mostInSums)

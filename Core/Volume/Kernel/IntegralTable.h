@@ -80,7 +80,7 @@ private:
   struct Station;
   std::vector<Station> makeStations(const TransferFunction& transferFunction,
     const std::vector<TransferFunction::Node>& nodes, double unit) const;
-  static std::vector<Station> thinned(const std::vector<Station>& stations);
+  static std::vector<Station> thinned(const std::vector<Station>& stations, double tolerance);
   void makeRows(const std::vector<Station>& stations, double mostInSums);
   void makeFinestSteps(const std::vector<Station>& stations, double smallestLeaf);
   Index indexBy(bool bits) const;
