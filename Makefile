@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build configure setup demo check check-sanitizers bench bench-vs compare-frames report report-brief install clean
+.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs compare-frames report report-brief install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -48,6 +48,18 @@ check-sanitizers: setup
 	for sanitizer in asan tsan; do \
 	  cmake --preset $$sanitizer && cmake --build --preset $$sanitizer && $(XVFB) ctest --preset $$sanitizer || exit; \
 	done
+
+# An hour for each target, two at a time; longer or shorter by SECONDS. What is found is in build-fuzz/.
+SECONDS = 3600
+FUZZERS = ForestFuzz DealIIFuzz QuadrantArrayFuzz TextFuzz HexahedraFuzz
+fuzz: PACKAGES += clang libclang-rt-14-dev
+fuzz: setup
+	cmake --preset fuzz && cmake --build --preset fuzz
+	echo $(FUZZERS) | xargs -n 1 -P 2 sh -c 'mkdir -p build-fuzz/corpus/$$0 && \
+	  build-fuzz/bin/$$0 -max_total_time=$(SECONDS) -max_len=16384 -timeout=20 -rss_limit_mb=2048 -print_final_stats=1 \
+	  -artifact_prefix=build-fuzz/$$0- build-fuzz/corpus/$$0 Testing/Data/Fuzz/$$0 > build-fuzz/$$0.log 2>&1 \
+	  || { tail -40 build-fuzz/$$0.log; exit 255; }'
+	tail -n 8 $(FUZZERS:%=build-fuzz/%.log)
 
 # Forests and converged pictures are made once: `make clean` takes them away.
 BENCH = $(BUILD)/bench

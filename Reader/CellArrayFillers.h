@@ -41,9 +41,10 @@ public:
 
 /// An inner node and its children without cells, which have a value of those with one: VTK's ranges of arrays count masked
 /// cells, too.
-inline void fillFamily(CellArrayFiller& filler, vtkIdType node, vtkIdType firstChild, unsigned present)
+inline void fillFamily(
+  CellArrayFiller& filler, vtkIdType node, vtkIdType firstChild, unsigned present, unsigned all = 0xff)
 {
-  for (unsigned missing = ~present & 0xff; missing != 0; missing &= missing - 1)
+  for (unsigned missing = ~present & all; missing != 0; missing &= missing - 1)
   {
     filler.setMissing(firstChild + std::countr_zero(missing), firstChild + std::countr_zero(present));
   }

@@ -18,6 +18,7 @@ namespace treeamr
 
 void setLattice(vtkHyperTreeGrid* grid, const std::array<std::vector<double>, 3>& allPlanes)
 {
+  checkRootCount(allPlanes, {});
   std::array<vtkSmartPointer<vtkDoubleArray>, 3> coordinates;
   std::array<unsigned int, 3> points;
   for (int axis = 0; axis < 3; ++axis)
@@ -39,6 +40,7 @@ HyperTreeGridBuilder::HyperTreeGridBuilder(vtkHyperTreeGrid* grid, const TreeLat
   const std::vector<std::uint64_t>& nodeCounts, std::string source)
   : grid_(grid)
   , lattice_(lattice)
+  , childCount_(1 << lattice.dimension())
   , source_(std::move(source))
   , treeStarts_(1, 0)
 {
@@ -157,9 +159,9 @@ bool HyperTreeGridBuilder::isAround(const TreeLeaf& leaf) const noexcept
 
 void HyperTreeGridBuilder::subdivide()
 {
-  // A subdivision's eight children are appended to the tree's vertices.
+  // A subdivision's children are appended to the tree's vertices.
   firstChild_[level_] = tree_->GetNumberOfVertices();
-  if (firstChild_[level_] + 8 > treeStarts_[treeNumber_ + 1] - treeStarts_[treeNumber_])
+  if (firstChild_[level_] + childCount_ > treeStarts_[treeNumber_ + 1] - treeStarts_[treeNumber_])
   {
     fail("more nodes",
       "the " + std::to_string(treeStarts_[treeNumber_ + 1] - treeStarts_[treeNumber_]) + " that were told");
@@ -194,7 +196,7 @@ void HyperTreeGridBuilder::goOn(bool hasCell)
   {
     const int child = child_[level_];
     filled_[level_ - 1] |= static_cast<unsigned>(hasCell) << orientation_[child];
-    if (child < 7)
+    if (child + 1 < childCount_)
     {
       child_[level_] = child + 1;
       node_[level_] = firstChild_[level_ - 1] + orientation_[child + 1];
@@ -208,7 +210,7 @@ void HyperTreeGridBuilder::goOn(bool hasCell)
     for (const auto& filler : fillers_)
     {
       fillFamily(*filler, treeStarts_[treeNumber_] + node_[level_],
-        treeStarts_[treeNumber_] + firstChild_[level_], filled_[level_]);
+        treeStarts_[treeNumber_] + firstChild_[level_], filled_[level_], (1u << childCount_) - 1);
     }
     hasCell = filled_[level_] != 0;
   }

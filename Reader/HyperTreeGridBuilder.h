@@ -4,7 +4,7 @@
 // current place is all that is kept, and an inner node gets its values when its eighth child is complete. Where no leaf
 // comes, the coarsest cells that hold none are masked. The number of nodes must be known beforehand, so that arrays
 // are allocated once: of a tree that has leaves everywhere it is one for each leaf and one for each seven, of others
-// NodeCounter tells it.
+// NodeCounter tells it. In a plane, four children and three.
 //
 // Used so: make one, add the arrays that are wanted, add all leaves, finish.
 #pragma once
@@ -62,7 +62,8 @@ private:
   std::uint64_t inner_ = 0;
 };
 
-/// Branch factor 2, and the planes between roots per axis. grid: an empty one.
+/// Branch factor 2, and the planes between roots per axis, a single one across an axis that the grid has not. grid: an
+/// empty one. Throws Error for more roots than it can have.
 VTKTREEAMRREADER_EXPORT void setLattice(
   vtkHyperTreeGrid* grid, const std::array<std::vector<double>, 3>& planes);
 
@@ -100,6 +101,7 @@ private:
 
   vtkHyperTreeGrid* grid_;
   const TreeLattice& lattice_;
+  const int childCount_;
   std::string source_;
   std::vector<vtkIdType> treeStarts_; // and the end of the last one
   std::vector<std::unique_ptr<CellArrayFiller>> fillers_;

@@ -1,11 +1,14 @@
 /**
  * @class   vtkTreeAMRP4estReader
- * @brief   reads forests saved by p8est_save, also those of deal.II, into a vtkHyperTreeGrid
+ * @brief   reads forests saved by p8est_save or p4est_save, also those of deal.II, into a vtkHyperTreeGrid
  *
  * One hyper tree per tree of the forest, branch factor 2, one vertex per quadrant and ancestor. The trees
  * must be axis-aligned boxes on one rectilinear lattice, such as unit cube and brick connectivities, turned or reflected
  * in any way; places of the lattice without a tree stay empty. Where the file says how trees are joined but not where they
  * are, as deal.II's do, they are laid out as equal boxes, from Origin and Spacing wide.
+ *
+ * A forest of two dimensions (p4est_save) becomes a grid in a plane across z, for ParaView's own Surface: there is nothing
+ * in it to trace rays through.
  *
  * The file stores each quadrant's payload as bytes without types or names: set Payload to the members of the
  * struct that the program kept in its quadrants, for example `double rho; double velocity[3]`
@@ -107,8 +110,7 @@ public:
   ///@}
 
   /**
-   * 1 if the file begins as those of p4est and p8est do, else 0. Files of 2-D forests are taken, so that
-   * reading them tells what is wrong.
+   * 1 if the file begins as those of p4est and p8est do, or deal.II's NAME.info, else 0.
    */
   virtual int CanReadFile(VTK_FILEPATH const char* fileName);
 

@@ -317,7 +317,8 @@ bool Isosurface::occluded(const Ray& ray, double tMin, double tMax, const DataCu
 void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& image, std::size_t mostHits,
   SurfaceNormals normals) const
 {
-  const auto& [camera, stops] = view;
+  const Camera& camera = view.camera;
+  const RayStops& stops = view.stops;
   stops.check(camera, "isosurface");
   const std::size_t most = layers == SurfaceLayers::Nearest ? 1 : mostHits;
   const Bounds box = impl_->blocks.field().octree().grid().bounds();

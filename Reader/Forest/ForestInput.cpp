@@ -72,6 +72,15 @@ void appendFields(
   }
 }
 
+/// Whether values of it depend on where in a cell they are.
+bool isOfSpace(const DealIIBlock& block)
+{
+  return std::ranges::any_of(block.fields, [](const PayloadField& field) {
+    return field.isAtCorners ||
+      std::ranges::any_of(field.sums, [](const auto& terms) { return terms.size() > 1; });
+  });
+}
+
 } // namespace
 
 ForestInput::ForestInput(const std::string& path)
@@ -169,6 +178,11 @@ PayloadReading ForestInput::readBlocks(const std::string& text) const
               std::to_string(blocks[b].size / said[b].size) + " times as many"
                           : ""));
     }
+    if (forest_.dimension() == 2 && isOfSpace(said[b]))
+    {
+      throw Error(cells_->path() + ": payload \"" + said[b].text +
+        "\" is of elements in three dimensions, allowed in the two of this forest are FE_DGQ(0), members and skip");
+    }
     appendFields(reading.fields, said[b].fields, blocks[b]);
   }
   return reading;
@@ -183,8 +197,8 @@ PayloadReading ForestInput::guessBlocks() const
     return {};
   }
   std::vector<DoubleGuess> guesses(blocks.size());
-  const auto isCandidate = [](const DealIICellData::Block& block) {
-    return block.size == sizeof(double) || block.size == 8 * sizeof(double);
+  const auto isCandidate = [this](const DealIICellData::Block& block) {
+    return block.size == sizeof(double) || (block.size == 8 * sizeof(double) && forest_.dimension() == 3);
   };
   if (std::ranges::any_of(blocks, isCandidate))
   {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -18,7 +19,7 @@ namespace treeamr
 namespace
 {
 
-constexpr std::uint64_t formatCode = 0x3000009;
+constexpr std::array<std::uint64_t, 2> formatCodes = { 0x2000009, 0x3000009 }; // of 2 and 3 dimensions
 constexpr std::array<char, 8> magic3D = { 'p', '8', 'e', 's', 't' };
 constexpr std::array<char, 8> magic2D = { 'p', '4', 'e', 's', 't' };
 constexpr std::uint64_t headerOffset = 32; // behind the magic and the version's text, which decides nothing
@@ -66,8 +67,9 @@ struct ForestHeader
 };
 static_assert(sizeof(ForestHeader) == 48 && std::is_trivially_copyable_v<ForestHeader>);
 
-void checkFormat(const P4estInputFile& file, std::string_view section, std::uint64_t format)
+void checkFormat(const P4estInputFile& file, std::string_view section, std::uint64_t format, int dimension)
 {
+  const std::uint64_t formatCode = formatCodes[dimension - 2];
   if (format == byteSwapped(formatCode))
   {
     file.fail(section, ": saved on a machine of the other byte order, allowed the byte order of this one");
@@ -75,30 +77,18 @@ void checkFormat(const P4estInputFile& file, std::string_view section, std::uint
   if (format != formatCode)
   {
     file.fail(section, std::hex, ": format 0x", format, ", allowed 0x", formatCode,
-      " (p8est_save of p4est 0.3.5 and later)");
+      " (p4est_save and p8est_save of p4est 0.3.5 and later)");
   }
 }
 
-void checkMagic(P4estInputFile& file)
+/// The forest's dimension.
+int readMagic(P4estInputFile& file)
 {
   std::array<char, 8> magic{};
   file.read(magic.data(), std::min<std::uint64_t>(magic.size(), file.size()), "magic");
-  if (magic == magic3D)
+  if (magic == magic3D || magic == magic2D)
   {
-    return;
-  }
-  if (magic == magic2D)
-  {
-    std::ostringstream found;
-    if (file.size() >= headerOffset + sizeof(ConnectivityHeader))
-    {
-      file.seek(headerOffset);
-      ConnectivityHeader header;
-      file.read(&header, sizeof(header), "connectivity header");
-      found << " of " << header.trees << " trees";
-    }
-    file.fail("a 2-D forest or connectivity (p4est)", found.str(),
-      ", allowed 3-D forests saved by p8est_save: TreeAMR ray-traces volumes");
+    return magic == magic3D ? 3 : 2;
   }
   std::ostringstream found;
   for (const char c : std::string_view(magic.data(), std::min<std::uint64_t>(magic.size(), file.size())))
@@ -116,7 +106,7 @@ void checkMagic(P4estInputFile& file)
     "begins with \"", found.str(), "\", allowed \"p8est\\x00\\x00\\x00\" (a forest saved by p8est_save)");
 }
 
-ConnectivityHeader readConnectivityHeader(P4estInputFile& file)
+ConnectivityHeader readConnectivityHeader(P4estInputFile& file, int dimension)
 {
   constexpr std::uint64_t headerEnd = headerOffset + sizeof(ConnectivityHeader);
   if (file.size() < headerEnd)
@@ -127,14 +117,15 @@ ConnectivityHeader readConnectivityHeader(P4estInputFile& file)
   file.seek(headerOffset);
   ConnectivityHeader header;
   file.read(&header, sizeof(header), "connectivity header");
-  checkFormat(file, "connectivity header", header.format);
+  checkFormat(file, "connectivity header", header.format, dimension);
   if (header.indexSize != sizeof(std::int32_t))
   {
     file.fail("connectivity header: size of an index ", header.indexSize, ", allowed 4");
   }
   const auto checkCount = [&](std::string_view what, std::uint64_t found, std::uint64_t min,
                             bool mustBeZero = false) {
-    const std::uint64_t max = mustBeZero ? 0 : std::numeric_limits<std::int32_t>::max();
+    const int ofBoxes = dimension == 2 ? 1 : 0; // twice as many
+    const std::uint64_t max = mustBeZero ? 0 : std::numeric_limits<std::int32_t>::max() >> ofBoxes;
     if (found < min || found > max)
     {
       file.fail("connectivity header: ", found, ' ', what, ", allowed ", min, "..", max);
@@ -142,16 +133,17 @@ ConnectivityHeader readConnectivityHeader(P4estInputFile& file)
   };
   checkCount("vertices", header.vertices, 0);
   checkCount("trees", header.trees, 1);
-  checkCount("edges", header.edges, 0);
+  checkCount("edges", header.edges, 0, dimension == 2);
   checkCount("edge entries", header.edgeEntries, 0, header.edges == 0);
   checkCount("corners", header.corners, 0);
   checkCount("corner entries", header.cornerEntries, 0, header.corners == 0);
 
   // No overflow: counts are below 2^31, so all but the attributes stay below 2^40.
+  const std::uint64_t tableBytes = (4 << dimension) * header.trees; // of an index for each of a tree's corners
   const std::uint64_t bytes = 24 * header.vertices + (header.edges > 0 ? 48 * header.trees : 0) +
-    (header.vertices > 0 ? 32 * header.trees : 0) + (header.corners > 0 ? 32 * header.trees : 0) +
-    (24 + 6) * header.trees + 4 * (header.edges + 1) + 5 * header.edgeEntries + 4 * (header.corners + 1) +
-    5 * header.cornerEntries;
+    (header.vertices > 0 ? tableBytes : 0) + (header.corners > 0 ? tableBytes : 0) +
+    5 * 2 * dimension * header.trees + (dimension == 3 ? 4 * (header.edges + 1) : 0) +
+    5 * header.edgeEntries + 4 * (header.corners + 1) + 5 * header.cornerEntries;
   const std::uint64_t left = file.size() - headerEnd;
   if (bytes > left || header.attributeBytes > (left - bytes) / header.trees)
   {
@@ -162,8 +154,43 @@ ConnectivityHeader readConnectivityHeader(P4estInputFile& file)
   return header;
 }
 
-P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeader& header)
+/// Makes the trees of a plane boxes over it.
+void addThirdAxis(P4estConnectivity& connectivity, std::uint64_t corners)
 {
+  const std::size_t vertices = connectivity.vertices.size();
+  for (std::size_t v = 0; v < vertices; ++v)
+  {
+    const auto [x, y, z] = connectivity.vertices[v];
+    connectivity.vertices.push_back({ x, y, z + std::max(1., std::abs(z)) });
+  }
+  for (std::array<std::int32_t, 8>& ofTree : connectivity.treeVertices)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      ofTree[c + 4] = ofTree[c] + static_cast<std::int32_t>(vertices);
+    }
+  }
+  for (std::array<std::int32_t, 8>& ofTree : connectivity.treeCorners)
+  {
+    for (int c = 0; c < 4; ++c)
+    {
+      ofTree[c + 4] = ofTree[c] < 0 ? -1 : ofTree[c] + static_cast<std::int32_t>(corners);
+    }
+  }
+  for (std::size_t tree = 0; tree < connectivity.neighbours.size(); ++tree)
+  {
+    for (const std::int8_t face : { 4, 5 })
+    {
+      connectivity.neighbours[tree][face] = { static_cast<std::int32_t>(tree), face, 0 };
+    }
+  }
+}
+
+P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeader& header, int dimension)
+{
+  const std::uint64_t children = std::uint64_t(1) << dimension;
+  const std::uint64_t faces = 2 * static_cast<std::uint64_t>(dimension);
+  const int orientations = 1 << (dimension - 1);
   const auto trees = static_cast<std::int64_t>(header.trees);
   const auto vertices = static_cast<std::int64_t>(header.vertices);
   const auto edges = static_cast<std::int64_t>(header.edges);
@@ -180,44 +207,51 @@ P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeade
   {
     connectivity.treeVertices.resize(header.trees);
     file.readEach<std::int32_t>(
-      8 * header.trees, "tree_to_vertex", [&](std::uint64_t i, std::int32_t vertex) {
+      children * header.trees, "tree_to_vertex", [&](std::uint64_t i, std::int32_t vertex) {
         if (vertex < 0 || vertex >= vertices)
         {
-          file.fail("connectivity, tree ", i / 8, ", corner ", i % 8, ": vertex ", vertex, ", allowed 0..",
-            vertices - 1);
+          file.fail("connectivity, tree ", i / children, ", corner ", i % children, ": vertex ", vertex,
+            ", allowed 0..", vertices - 1);
         }
-        connectivity.treeVertices[i / 8][i % 8] = vertex;
+        connectivity.treeVertices[i / children][i % children] = vertex;
       });
   }
   if (corners > 0)
   {
     connectivity.treeCorners.resize(vertices > 0 ? 0 : header.trees);
     file.checkTable<std::int32_t>(
-      8 * header.trees, -1, corners, "tree_to_corner", [&](std::uint64_t i, std::int32_t corner) {
+      children * header.trees, -1, corners, "tree_to_corner", [&](std::uint64_t i, std::int32_t corner) {
         if (vertices == 0)
         {
-          connectivity.treeCorners[i / 8][i % 8] = corner;
+          connectivity.treeCorners[i / children][i % children] = corner;
         }
       });
   }
   if (vertices > 0)
   {
-    file.checkTable<std::int32_t>(6 * header.trees, 0, trees, "tree_to_tree");
-    file.checkTable<std::int8_t>(6 * header.trees, 0, 24, "tree_to_face"); // 6 faces in 4 orientations
+    file.checkTable<std::int32_t>(faces * header.trees, 0, trees, "tree_to_tree");
+    file.checkTable<std::int8_t>(
+      faces * header.trees, 0, static_cast<int>(faces) * orientations, "tree_to_face");
   }
   else
   {
     connectivity.neighbours.resize(header.trees);
-    file.checkTable<std::int32_t>(6 * header.trees, 0, trees, "tree_to_tree",
-      [&](std::uint64_t i, std::int32_t tree) { connectivity.neighbours[i / 6][i % 6].tree = tree; });
-    file.checkTable<std::int8_t>(
-      6 * header.trees, 0, 24, "tree_to_face", [&](std::uint64_t i, std::int8_t face) {
-        connectivity.neighbours[i / 6][i % 6].face = face % 6;
-        connectivity.neighbours[i / 6][i % 6].orientation = face / 6;
+    file.checkTable<std::int32_t>(
+      faces * header.trees, 0, trees, "tree_to_tree", [&](std::uint64_t i, std::int32_t tree) {
+        connectivity.neighbours[i / faces][i % faces].tree = tree;
+      });
+    file.checkTable<std::int8_t>(faces * header.trees, 0, static_cast<int>(faces) * orientations,
+      "tree_to_face", [&](std::uint64_t i, std::int8_t face) {
+        P4estConnectivity::Neighbour& neighbour = connectivity.neighbours[i / faces][i % faces];
+        neighbour.face = static_cast<std::int8_t>(face % static_cast<int>(faces));
+        neighbour.orientation = static_cast<std::int8_t>(face / static_cast<int>(faces));
       });
   }
   file.seek(file.position() + header.trees * header.attributeBytes);
-  file.checkOffsets(header.edges, header.edgeEntries, "ett_offset");
+  if (dimension == 3)
+  {
+    file.checkOffsets(header.edges, header.edgeEntries, "ett_offset");
+  }
   if (edges > 0)
   {
     file.checkTable<std::int32_t>(header.edgeEntries, 0, trees, "edge_to_tree");
@@ -227,16 +261,22 @@ P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeade
   if (corners > 0)
   {
     file.checkTable<std::int32_t>(header.cornerEntries, 0, trees, "corner_to_tree");
-    file.checkTable<std::int8_t>(header.cornerEntries, 0, 8, "corner_to_corner");
+    file.checkTable<std::int8_t>(
+      header.cornerEntries, 0, static_cast<int>(children), "corner_to_corner");
+  }
+  if (dimension == 2)
+  {
+    addThirdAxis(connectivity, header.corners);
   }
   return connectivity;
 }
 
-ForestHeader readForestHeader(P4estInputFile& file, std::uint64_t trees)
+ForestHeader readForestHeader(P4estInputFile& file, std::uint64_t trees, int dimension)
 {
   if (file.position() == file.size())
   {
-    file.fail("a connectivity only (p8est_connectivity_save), allowed a forest saved by p8est_save");
+    file.fail("a connectivity only (p4est_connectivity_save, p8est_connectivity_save), allowed a forest saved by "
+              "p4est_save or p8est_save");
   }
   const std::uint64_t begin = alignUp(file.position());
   if (file.size() < begin + sizeof(ForestHeader))
@@ -247,7 +287,7 @@ ForestHeader readForestHeader(P4estInputFile& file, std::uint64_t trees)
   file.seek(begin);
   ForestHeader header;
   file.read(&header, sizeof(header), "forest header");
-  checkFormat(file, "forest header", header.format);
+  checkFormat(file, "forest header", header.format, dimension);
   if (header.coordinateSize != sizeof(std::int32_t))
   {
     file.fail("forest header: size of a coordinate ", header.coordinateSize, ", allowed 4");
@@ -270,9 +310,11 @@ ForestHeader readForestHeader(P4estInputFile& file, std::uint64_t trees)
   return header;
 }
 
-/// Quadrants up to the end of each tree. Refining makes eight cells of one, hence 1 + 7 n of them in a tree.
-std::vector<std::uint64_t> readTreeEnds(P4estInputFile& file, std::uint64_t ranks, std::uint64_t trees)
+/// Quadrants up to the end of each tree. Refining makes eight cells of one, hence 1 + 7 n of them in a tree, or four, 1 + 3 n.
+std::vector<std::uint64_t> readTreeEnds(
+  P4estInputFile& file, std::uint64_t ranks, std::uint64_t trees, int dimension)
 {
+  const std::uint64_t more = (std::uint64_t(1) << dimension) - 1;
   std::uint64_t previous = 0;
   file.readEach<std::uint64_t>(ranks, "partition", [&](std::uint64_t rank, std::uint64_t end) {
     if (end < previous)
@@ -291,9 +333,9 @@ std::vector<std::uint64_t> readTreeEnds(P4estInputFile& file, std::uint64_t rank
       file.fail("tree ", tree, ": ends at quadrant ", end, ", allowed ",
         tree + 1 == trees ? total : previous + 1, "..", total);
     }
-    if ((end - previous) % 7 != 1)
+    if ((end - previous) % more != 1)
     {
-      file.fail("tree ", tree, ": ", end - previous, " quadrants, allowed 1 and a multiple of 7");
+      file.fail("tree ", tree, ": ", end - previous, " quadrants, allowed 1 and a multiple of ", more);
     }
     ends[tree] = previous = end;
   });
@@ -302,10 +344,18 @@ std::vector<std::uint64_t> readTreeEnds(P4estInputFile& file, std::uint64_t rank
 
 struct Record
 {
-  std::array<std::int32_t, 3> anchor;
-  std::int32_t level;
+  std::array<std::int32_t, 3> anchor{}; // of two dimensions: z is 0
+  std::int32_t level = 0;
+
+  static std::size_t bytes(int dimension) { return 4 * (static_cast<std::size_t>(dimension) + 1); }
+  static Record from(const std::byte* bytes, int dimension)
+  {
+    Record record;
+    std::memcpy(record.anchor.data(), bytes, 4 * static_cast<std::size_t>(dimension));
+    std::memcpy(&record.level, bytes + 4 * static_cast<std::size_t>(dimension), 4);
+    return record;
+  }
 };
-static_assert(sizeof(Record) == 16 && std::is_trivially_copyable_v<Record>);
 
 std::ostream& operator<<(std::ostream& out, const Record& record)
 {
@@ -315,8 +365,12 @@ std::ostream& operator<<(std::ostream& out, const Record& record)
 
 /// The first quadrant of a refined tree sits at the origin and its neighbour begins where it ends in x.
 int findRootBits(P4estInputFile& file, std::uint64_t quadrantsOffset, std::size_t recordBytes,
-  const std::vector<std::uint64_t>& treeEnds)
+  const std::vector<std::uint64_t>& treeEnds, int dimension)
 {
+  if (dimension == 2)
+  {
+    return newRootBits; // of all versions
+  }
   std::uint64_t begin = 0;
   for (std::size_t tree = 0; tree < treeEnds.size(); begin = treeEnds[tree++])
   {
@@ -328,7 +382,9 @@ int findRootBits(P4estInputFile& file, std::uint64_t quadrantsOffset, std::size_
     for (int i = 0; i < 2; ++i)
     {
       file.seek(quadrantsOffset + (begin + i) * recordBytes);
-      file.read(&records[i], sizeof(Record), "quadrants");
+      std::array<std::byte, 16> bytes;
+      file.read(bytes.data(), bytes.size(), "quadrants");
+      records[i] = Record::from(bytes.data(), dimension);
     }
     for (const int bits : { oldRootBits, newRootBits })
     {
@@ -348,8 +404,9 @@ int findRootBits(P4estInputFile& file, std::uint64_t quadrantsOffset, std::size_
 class MortonWalk
 {
 public:
-  explicit MortonWalk(int rootBits)
+  MortonWalk(int rootBits, int dimension)
     : rootBits_(rootBits)
+    , dimension_(dimension)
   {
   }
   bool isComplete() const { return complete_; }
@@ -383,7 +440,7 @@ public:
     for (; bit < rootBits_; ++bit)
     {
       const std::int32_t side = std::int32_t(1) << bit;
-      for (int a = 0; a < 3; ++a)
+      for (int a = 0; a < dimension_; ++a)
       {
         anchor_[a] ^= side;
         if (anchor_[a] & side)
@@ -397,6 +454,7 @@ public:
 
 private:
   int rootBits_;
+  int dimension_;
   bool complete_ = false;
   std::array<std::int32_t, 3> anchor_{};
 };
@@ -407,21 +465,22 @@ P4estForestFile::P4estForestFile(std::string path)
   : path_(std::move(path))
 {
   P4estInputFile file(path_);
-  checkMagic(file);
-  const ConnectivityHeader connectivityHeader = readConnectivityHeader(file);
-  connectivity_ = readConnectivity(file, connectivityHeader);
-  const ForestHeader forestHeader = readForestHeader(file, connectivityHeader.trees);
-  treeEnds_ = readTreeEnds(file, forestHeader.ranks, connectivityHeader.trees);
+  dimension_ = readMagic(file);
+  const ConnectivityHeader connectivityHeader = readConnectivityHeader(file, dimension_);
+  connectivity_ = readConnectivity(file, connectivityHeader, dimension_);
+  const ForestHeader forestHeader = readForestHeader(file, connectivityHeader.trees, dimension_);
+  treeEnds_ = readTreeEnds(file, forestHeader.ranks, connectivityHeader.trees, dimension_);
 
   quadrantsOffset_ = alignUp(file.position());
   const std::uint64_t left = file.size() - std::min(quadrantsOffset_, file.size());
-  if (forestHeader.payloadSize > left || quadrantCount() > left / (sizeof(Record) + forestHeader.payloadSize))
+  const std::size_t recordBytes = Record::bytes(dimension_);
+  if (forestHeader.payloadSize > left || quadrantCount() > left / (recordBytes + forestHeader.payloadSize))
   {
-    file.fail("quadrants: ", quadrantCount(), " of ", sizeof(Record), " + ", forestHeader.payloadSize,
+    file.fail("quadrants: ", quadrantCount(), " of ", recordBytes, " + ", forestHeader.payloadSize,
       " bytes, allowed what fits ", left, " bytes before the end of the file");
   }
   payloadSize_ = forestHeader.payloadSize;
-  rootBits_ = findRootBits(file, quadrantsOffset_, sizeof(Record) + payloadSize_, treeEnds_);
+  rootBits_ = findRootBits(file, quadrantsOffset_, recordBytes + payloadSize_, treeEnds_, dimension_);
 }
 
 bool P4estForestFile::hasMagic(const std::string& path) noexcept
@@ -442,7 +501,8 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
 {
   P4estInputFile file(path_);
   file.seek(quadrantsOffset_);
-  const std::size_t recordBytes = sizeof(Record) + payloadSize_;
+  const std::size_t placeBytes = Record::bytes(dimension_);
+  const std::size_t recordBytes = placeBytes + payloadSize_;
   const std::uint64_t blockQuadrants = std::min<std::uint64_t>(
     quadrantCount(), std::max<std::size_t>(1, P4estInputFile::blockBytes / recordBytes));
   std::vector<std::byte> block(blockQuadrants * recordBytes);
@@ -451,7 +511,7 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
 
   for (std::int32_t tree = 0; tree < treeCount(); ++tree)
   {
-    MortonWalk walk(rootBits_);
+    MortonWalk walk(rootBits_, dimension_);
     const std::uint64_t first = tree > 0 ? treeEnds_[tree - 1] : 0;
     for (std::uint64_t quadrant = 0; quadrant < quadrantCount(tree); ++quadrant, next += recordBytes)
     {
@@ -463,10 +523,9 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
         unread -= quadrants;
         next = block.data();
       }
-      Record record;
-      std::memcpy(&record, next, sizeof(record));
+      const Record record = Record::from(next, dimension_);
       walk.advance(file, record, tree, quadrant);
-      TreeLeaf leaf{ tree, {}, record.level, first + quadrant, next + sizeof(record) };
+      TreeLeaf leaf{ tree, {}, record.level, first + quadrant, next + placeBytes };
       for (int a = 0; a < 3; ++a)
       {
         leaf.index[a] = static_cast<std::uint32_t>(record.anchor[a]) >> (rootBits_ - record.level);
@@ -483,8 +542,9 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
 void P4estForestFile::samplePayloads(
   std::uint64_t count, const std::function<void(const std::byte*)>& visit) const
 {
-  P4estInputFile(path_).sampleRecords(quadrantsOffset_, sizeof(Record) + payloadSize_, quadrantCount(), count,
-    "quadrants", [&visit](const std::byte* record) { visit(record + sizeof(Record)); });
+  const std::size_t placeBytes = Record::bytes(dimension_);
+  P4estInputFile(path_).sampleRecords(quadrantsOffset_, placeBytes + payloadSize_, quadrantCount(), count,
+    "quadrants", [&](const std::byte* record) { visit(record + placeBytes); });
 }
 
 } // namespace treeamr

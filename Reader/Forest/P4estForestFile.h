@@ -1,4 +1,4 @@
-// Forests saved by p8est_save (p4est 0.3.5 to 2.8), read without libp4est: it ends the process on a bad file.
+// Forests saved by p8est_save and p4est_save (p4est 0.3.5 to 2.8), read without libp4est: it ends the process on a bad file.
 //
 // The layout, in the byte order of the machine that wrote it:
 //   connectivity   magic "p8est" (8 bytes), version text (24), ten uint64: format 0x3000009, bytes per index
@@ -13,8 +13,10 @@
 //                  the quadrants up to its end
 //   at the next multiple of 32 bytes
 //   quadrants      int32 x, y, z, level and the payload, tree by tree in Morton order; anything may follow
+// Those of two dimensions have magic "p4est", format 0x2000009, four corners, four faces and no z: nothing of edges, not
+// even an offset.
 // A tree is 2^19 coordinates wide up to p4est 2.2 and 2^30 from 2.3 on, under the same format code: the
-// second quadrant of a refined tree tells which.
+// second quadrant of a refined tree tells which. In two dimensions it is always 2^30.
 #pragma once
 
 #include "Forest/TreeLeaf.h"
@@ -29,7 +31,8 @@
 namespace treeamr
 {
 
-/// Where the trees are: all of the connectivity that is kept. The other tables are only checked.
+/// Where the trees are: all of the connectivity that is kept. The other tables are only checked. Those of two dimensions are
+/// as boxes over the plane, whose first four corners are the tree's own.
 struct P4estConnectivity
 {
   /// None in a connectivity that is topology alone.
@@ -58,13 +61,15 @@ public:
 
   /// Reads and checks everything before the quadrants, and that they fit the file; no memory is asked for
   /// before the file is known to fill it. Throws Error naming the file, the section, what was found and what
-  /// is allowed, also for 2-D forests, the other byte order and files that hold a connectivity only.
+  /// is allowed, also for the other byte order and files that hold a connectivity only.
   explicit P4estForestFile(std::string path);
 
   /// Whether the file starts as a 2-D or 3-D forest or connectivity does.
   static bool hasMagic(const std::string& path) noexcept;
 
   const std::string& path() const noexcept { return path_; }
+  /// 2 or 3.
+  int dimension() const noexcept { return dimension_; }
   const P4estConnectivity& connectivity() const noexcept { return connectivity_; }
   std::int32_t treeCount() const noexcept { return static_cast<std::int32_t>(treeEnds_.size()); }
   std::uint64_t quadrantCount() const noexcept { return treeEnds_.back(); }
@@ -72,10 +77,10 @@ public:
   {
     return treeEnds_[tree] - (tree > 0 ? treeEnds_[tree - 1] : 0);
   }
-  /// Quadrants and all their ancestors. A tree is complete, so each of its inner nodes adds seven quadrants.
+  /// Quadrants and all their ancestors. A tree is complete, so each of its inner nodes adds seven quadrants, or three.
   std::uint64_t nodeCount(std::int32_t tree) const noexcept
   {
-    return quadrantCount(tree) + (quadrantCount(tree) - 1) / 7;
+    return quadrantCount(tree) + (quadrantCount(tree) - 1) / ((std::uint64_t(1) << dimension_) - 1);
   }
   /// Bytes per quadrant; 0 when the forest was saved without data.
   std::size_t payloadSize() const noexcept { return payloadSize_; }
@@ -91,6 +96,7 @@ public:
 
 private:
   std::string path_;
+  int dimension_ = 3;
   P4estConnectivity connectivity_;
   std::vector<std::uint64_t> treeEnds_; // quadrants up to the end of each tree; never empty
   std::size_t payloadSize_ = 0;

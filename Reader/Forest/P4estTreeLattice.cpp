@@ -32,7 +32,7 @@ template <class... Parts>
   throw Error(message.str());
 }
 
-/// One tree a place; and vtkHyperTreeGrid multiplies the numbers of places in 32 bits.
+/// One tree a place.
 void checkPlaces(const P4estForestFile& file, const std::array<std::vector<double>, 3>& planes,
   const std::vector<std::array<int, 3>>& places)
 {
@@ -40,12 +40,6 @@ void checkPlaces(const P4estForestFile& file, const std::array<std::vector<doubl
   for (int axis = 0; axis < 3; ++axis)
   {
     cells[axis] = planes[axis].size() - 1;
-  }
-  constexpr std::uint64_t maxPlaces = std::numeric_limits<std::uint32_t>::max();
-  if (cells[0] * cells[1] > maxPlaces || cells[0] * cells[1] * cells[2] > maxPlaces)
-  {
-    fail(file, "a lattice of ", cells[0], " x ", cells[1], " x ", cells[2], " trees, allowed ", maxPlaces,
-      " places");
   }
   std::vector<std::pair<std::uint64_t, std::int32_t>> taken(places.size());
   for (std::int32_t tree = 0; tree < file.treeCount(); ++tree)
@@ -61,6 +55,25 @@ void checkPlaces(const P4estForestFile& file, const std::array<std::vector<doubl
     fail(
       file, "tree ", twice[1].second, ": at the place of tree ", twice[0].second, ", allowed one of its own");
   }
+}
+
+TreeLattice makeLattice(const P4estForestFile& file, std::array<std::vector<double>, 3> planes,
+  std::vector<std::array<int, 3>> places, std::vector<TreeOrientation> orientations)
+{
+  checkRootCount(planes, file.path());
+  checkPlaces(file, planes, places);
+  if (file.dimension() == 2)
+  {
+    const auto other =
+      std::ranges::find_if(places, [&](const std::array<int, 3>& place) { return place[2] != places[0][2]; });
+    if (other != places.end())
+    {
+      fail(file, "tree ", other - places.begin(), ": at z = ", planes[2][(*other)[2]],
+        ", allowed that of tree 0, ", planes[2][places[0][2]], ": rectangles in one plane");
+    }
+    planes[2].resize(1); // without that over the trees' own
+  }
+  return { std::move(planes), std::move(places), std::move(orientations) };
 }
 
 class LatticeFinder
@@ -79,9 +92,11 @@ public:
     {
       findPlanes(axis);
     }
-    checkPlaces(file, planes_, places_);
   }
-  TreeLattice take() { return { std::move(planes_), std::move(places_), std::move(orientations_) }; }
+  TreeLattice take()
+  {
+    return makeLattice(file_, std::move(planes_), std::move(places_), std::move(orientations_));
+  }
 
 private:
   void findTolerances();
@@ -225,8 +240,8 @@ TreeLattice latticeOfBoxes(const P4estForestFile& file, const UnitBoxes& boxes)
       }
     }
   }
-  checkPlaces(file, planes, layout.places);
-  return { std::move(planes), std::move(layout.places), std::move(layout.orientations) };
+  return makeLattice(
+    file, std::move(planes), std::move(layout.places), std::move(layout.orientations));
 }
 
 } // namespace

@@ -3,7 +3,7 @@
 // Each tree must be an axis-aligned box, turned or reflected in any way, between neighbouring planes of the lattice that
 // the boxes of all trees form. Bricks are such, periodic or not, scaled or stretched along an axis, with trees left out;
 // sheared and curved ones are not. In a connectivity that is topology alone (deal.II's) the trees are laid out from face
-// to face as equal boxes.
+// to face as equal boxes. The trees of two dimensions must be rectangles across z, all at one.
 #pragma once
 
 #include "Forest/P4estForestFile.h"

@@ -38,8 +38,8 @@ int latticeFace(const TreeOrientation& orientation, int face)
   return 2 * axis + (orientation[faceCorner(face, 0)] >> axis & 1);
 }
 
-/// All turns; p4est knows no reflections.
-std::vector<TreeOrientation> turns()
+/// All turns; p4est knows no reflections. Of a plane those that leave the third axis as it is, and reflections, too.
+std::vector<TreeOrientation> turns(int dimension)
 {
   std::vector<TreeOrientation> turns;
   std::array<int, 3> axes{ 0, 1, 2 };
@@ -61,7 +61,7 @@ std::vector<TreeOrientation> turns()
           orientation[c] |= static_cast<std::uint8_t>(((c ^ flips) >> a & 1) << axes[a]);
         }
       }
-      if (sign > 0)
+      if (dimension == 3 ? sign > 0 : axes[2] == 2 && (flips & 4) == 0)
       {
         turns.push_back(orientation);
       }
@@ -76,6 +76,7 @@ class Layout
 public:
   explicit Layout(const P4estForestFile& file)
     : file_(file)
+    , turns_(turns(file.dimension()))
     , trees_(file.treeCount())
   {
     this->place(0, { 0, 0, 0 }, alongAxes);
@@ -239,7 +240,7 @@ private:
   }
 
   const P4estForestFile& file_;
-  const std::vector<TreeOrientation> turns_ = turns();
+  const std::vector<TreeOrientation> turns_;
   std::vector<Tree> trees_;
   std::deque<Side> rising_; // of placed trees, along the lattice's axes
   std::deque<Side> falling_;

@@ -1,8 +1,12 @@
 // Where the trees of a forest sit on one rectilinear lattice, as one vtkHyperTreeGrid needs them.
 #pragma once
 
+#include "Error.h"
+
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,10 +32,31 @@ constexpr bool isOrientation(const TreeOrientation& corners) noexcept
   return fits;
 }
 
+/// vtkHyperTreeGrid multiplies the numbers of its roots in 32 bits. Throws Error that begins with the source's name.
+inline void checkRootCount(const std::array<std::vector<double>, 3>& planes, const std::string& source)
+{
+  constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+  std::uint64_t product = 1;
+  bool fits = true;
+  std::string text;
+  for (const std::vector<double>& ofAxis : planes)
+  {
+    const std::uint64_t roots = ofAxis.size() > 1 ? ofAxis.size() - 1 : 1;
+    fits = fits && roots <= most / product;
+    product *= fits ? roots : 1;
+    text += (text.empty() ? "" : " x ") + std::to_string(roots);
+  }
+  if (!fits)
+  {
+    throw Error(source + (source.empty() ? "" : ": ") + "a lattice of " + text + " trees, allowed " +
+      std::to_string(most) + " places");
+  }
+}
+
 class TreeLattice
 {
 public:
-  /// planes: world coordinates per axis, strictly increasing. places: of each tree, no two at one. orientations: of each
+  /// planes: world coordinates per axis, strictly increasing; of a grid in a plane across z a single one there. places: of each tree, no two at one. orientations: of each
   /// tree, or none: all are along the axes.
   TreeLattice(std::array<std::vector<double>, 3> planes, std::vector<std::array<int, 3>> places,
     std::vector<TreeOrientation> orientations = {})
@@ -42,6 +67,7 @@ public:
   }
 
   const std::array<std::vector<double>, 3>& planes() const noexcept { return planes_; }
+  int dimension() const noexcept { return planes_[2].size() == 1 ? 2 : 3; }
   /// The tree lies between planes()[a][place[a]] and the next.
   const std::array<int, 3>& place(std::int32_t tree) const noexcept { return places_[tree]; }
   const TreeOrientation& orientation(std::int32_t tree) const noexcept

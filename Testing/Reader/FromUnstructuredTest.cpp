@@ -686,6 +686,9 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
 
   expectIn(errorOf(makeHexahedra({ { { 0, 0, 0 }, 0 }, { { Coord(1) << 21, 0, 0 }, 0 } }, {})),
     "allowed are 1048576");
+  // Each axis has room for them, VTK's numbers of roots have not.
+  expectIn(errorOf(makeHexahedra({ { { 0, 0, 0 }, 0 }, { { 90000, 70001, 3 }, 0 } }, {})),
+    "a lattice of 90001 x 70002 x 4 trees, allowed 4294967295 places");
 }
 
 // Of several pieces in one process.

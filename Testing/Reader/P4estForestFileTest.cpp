@@ -353,10 +353,6 @@ TEST_F(P4estForestFileTest, OtherFiles)
   expectError(path, "a connectivity only");
   EXPECT_TRUE(P4estForestFile::hasMagic(path));
 
-  savePlanarForest(path);
-  expectError(path, "a 2-D forest or connectivity (p4est) of 1 trees, allowed 3-D forests");
-  EXPECT_TRUE(P4estForestFile::hasMagic(path));
-
   ForestWriter::unitCube().save(path);
   EXPECT_TRUE(P4estForestFile::hasMagic(path));
 }

@@ -914,10 +914,6 @@ TEST_F(P4estReaderTest, OtherFiles)
   this->expectError(path, "", "begins with");
   EXPECT_EQ(reader_->CanReadFile(path.c_str()), 0);
 
-  savePlanarForest(path);
-  this->expectError(path, "", "2-D forest");
-  EXPECT_EQ(reader_->CanReadFile(path.c_str()), 1);
-
   ForestWriter::named("rotcubes").save(path);
   this->expectError(path, "", "an axis-aligned box");
   ForestWriter sphere = ForestWriter::named("sphere");

@@ -1,7 +1,8 @@
 // libp4est keeps callbacks as plain functions with a user pointer, which here leads to a std::function.
 #include "Support/ForestWriter.h"
 
-#include <p4est.h>
+#include "Support/P4estSession.h"
+
 #include <p8est.h>
 #include <p8est_extended.h>
 #include <p8est_vtk.h>
@@ -11,50 +12,10 @@
 #include <map>
 #include <stdexcept>
 
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
-
 namespace treeamr::test
 {
 namespace
 {
-
-/// libp4est asks for MPI even when there is but one process. Ends with the program.
-class Session
-{
-public:
-  static void ensure() { static const Session session; }
-
-private:
-  Session()
-  {
-    int initialized = 0;
-    MPI_Initialized(&initialized);
-    if (!initialized)
-    {
-#ifdef __SANITIZE_ADDRESS__
-      const __lsan::ScopedDisabler mpiForgets; // some of its memory
-#endif
-      MPI_Init(nullptr, nullptr);
-      ownsMpi_ = true;
-    }
-    sc_init(MPI_COMM_SELF, 0, 0, nullptr, SC_LP_ERROR);
-    p4est_init(nullptr, SC_LP_ERROR);
-  }
-  ~Session()
-  {
-#ifdef __SANITIZE_ADDRESS__
-    __lsan_do_leak_check(); // the last: what MPI forgets when it ends does not count
-#endif
-    sc_finalize();
-    if (ownsMpi_)
-    {
-      MPI_Finalize();
-    }
-  }
-  bool ownsMpi_ = false;
-};
 
 ForestQuadrant describe(int tree, const p8est_quadrant_t& quadrant)
 {
@@ -110,26 +71,26 @@ ForestWriter::ForestWriter(std::shared_ptr<Impl> impl)
 
 ForestWriter ForestWriter::unitCube()
 {
-  Session::ensure();
+  startP4est();
   return ForestWriter(std::make_shared<Impl>(p8est_connectivity_new_unitcube()));
 }
 
 ForestWriter ForestWriter::brick(std::array<int, 3> trees, std::array<bool, 3> periodic)
 {
-  Session::ensure();
+  startP4est();
   return ForestWriter(std::make_shared<Impl>(
     p8est_connectivity_new_brick(trees[0], trees[1], trees[2], periodic[0], periodic[1], periodic[2])));
 }
 
 ForestWriter ForestWriter::named(const std::string& name)
 {
-  Session::ensure();
+  startP4est();
   return ForestWriter(std::make_shared<Impl>(p8est_connectivity_new_byname(name.c_str())));
 }
 
 ForestWriter ForestWriter::separateTrees(const std::vector<Corners>& trees)
 {
-  Session::ensure();
+  startP4est();
   const auto count = static_cast<p4est_topidx_t>(trees.size());
   p8est_connectivity_t* connectivity = p8est_connectivity_new(8 * count, count, 0, 0, 0, 0);
   for (p4est_topidx_t tree = 0; tree < count; ++tree)
@@ -175,7 +136,7 @@ ForestWriter ForestWriter::joinedTrees(const std::vector<Corners>& trees)
 
 ForestWriter ForestWriter::withoutVertices()
 {
-  Session::ensure();
+  startP4est();
   p8est_connectivity_t* connectivity = p8est_connectivity_new(0, 1, 0, 0, 0, 0);
   for (int face = 0; face < 6; ++face)
   {
@@ -305,18 +266,6 @@ void ForestWriter::saveConnectivity(const std::string& path) const
   {
     throw std::runtime_error(path + " cannot be written");
   }
-}
-
-void savePlanarForest(const std::string& path)
-{
-  Session::ensure();
-  p4est_connectivity_t* connectivity = p4est_connectivity_new_unitsquare();
-  p4est_t* forest = p4est_new(MPI_COMM_SELF, connectivity, 0, nullptr, nullptr);
-  p4est_refine(
-    forest, 0, [](p4est_t*, p4est_topidx_t, p4est_quadrant_t*) { return 1; }, nullptr);
-  p4est_save(path.c_str(), forest, 0);
-  p4est_destroy(forest);
-  p4est_connectivity_destroy(connectivity);
 }
 
 } // namespace treeamr::test

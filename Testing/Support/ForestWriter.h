@@ -81,7 +81,4 @@ private:
   std::shared_ptr<Impl> impl_;
 };
 
-/// A 2-D forest: the unit square, refined once.
-void savePlanarForest(const std::string& path);
-
 } // namespace treeamr::test
