@@ -55,7 +55,7 @@ FUZZERS = ForestFuzz DealIIFuzz QuadrantArrayFuzz TextFuzz HexahedraFuzz
 fuzz: PACKAGES += clang libclang-rt-14-dev
 fuzz: setup
 	cmake --preset fuzz && cmake --build --preset fuzz
-	echo $(FUZZERS) | xargs -n 1 -P 2 sh -c 'mkdir -p build-fuzz/corpus/$$0 && \
+	echo $(FUZZERS) | xargs -n 1 -P 2 sh -c 'export TMPDIR=/dev/shm && mkdir -p build-fuzz/corpus/$$0 && \
 	  build-fuzz/bin/$$0 -max_total_time=$(SECONDS) -max_len=16384 -timeout=20 -rss_limit_mb=2048 -print_final_stats=1 \
 	  -artifact_prefix=build-fuzz/$$0- build-fuzz/corpus/$$0 Testing/Data/Fuzz/$$0 > build-fuzz/$$0.log 2>&1 \
 	  || { tail -40 build-fuzz/$$0.log; exit 255; }'
