@@ -41,6 +41,7 @@ BlockContour::BlockContour(const Field& field, double isovalue)
   , field_(field)
   , isovalue_(isovalue)
   , noneMissing_(hasAllCells(octree_))
+  , wholeLeaves_(field.corners() != nullptr)
   , finestDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
   , evaluator_(field)
 {
@@ -63,7 +64,11 @@ void BlockContour::extract(TreePath& path, ContourPart& part)
     {
       if (!started_)
       {
-        start(path, children, part);
+        start(path.index(), path.depth(), children.inner() == 0, part);
+        if (!wholeLeaves_)
+        {
+          dualCells_.find(path, field_);
+        }
       }
       extractLeaf(path, octant, part);
     }
@@ -72,7 +77,7 @@ void BlockContour::extract(TreePath& path, ContourPart& part)
   {
     return;
   }
-  for (int corner = 0; corner < 27; ++corner)
+  for (int corner = 0; corner < 27 && !wholeLeaves_; ++corner)
   {
     const Place place{ corner % 3, corner / 3 % 3, corner / 9 };
     if (dualCells_.has(place))
@@ -84,6 +89,13 @@ void BlockContour::extract(TreePath& path, ContourPart& part)
   {
     part.blocks.pop_back();
   }
+}
+
+void BlockContour::extractOnlyLeaf(ContourPart& part)
+{
+  evaluator_.compute(BlockPath(), BlockCells::Leaves, block_);
+  start({}, -1, true, part);
+  extractWhole({ octree_.isGhost(0), 0, 0, 0, 0, {} }, 0, part);
 }
 
 void BlockContour::markInside() noexcept
@@ -114,20 +126,19 @@ bool BlockContour::crossesLeaf(int octant) const noexcept
   return (any & 7) != 0 && (all & 7) != 7;
 }
 
-void BlockContour::start(const TreePath& path, const Octree::Children& children, ContourPart& part)
+void BlockContour::start(const std::array<Coord, 3>& index, int depth, bool alone, ContourPart& part)
 {
   started_ = true;
   pointOfEdge_.fill(-1);
-  pointOfDualEdge_.fill(-1);
-  alone_ = children.inner() == 0;
-  depth_ = path.depth() + 2; // of the octants
-  plane_ = octantPlanes(octree_.grid(), path.index(), path.depth());
+  pointOfWideEdge_.fill(-1);
+  alone_ = alone;
+  depth_ = depth + 2; // of the octants
+  plane_ = octantPlanes(octree_.grid(), index, depth);
   for (int a = 0; a < 3; ++a)
   {
-    base_[a] = 4 * path.index()[a];
+    base_[a] = 4 * index[a];
   }
-  dualCells_.find(path, field_);
-  part.blocks.push_back({ path.index(), path.depth(), static_cast<std::int64_t>(part.points.size()) });
+  part.blocks.push_back({ index, depth, static_cast<std::int64_t>(part.points.size()) });
 }
 
 void BlockContour::extractLeaf(TreePath& path, int octant, ContourPart& part)
@@ -152,6 +163,11 @@ void BlockContour::extractLeaf(TreePath& path, int octant, ContourPart& part)
     }
   }
   path.ascend();
+  if (wholeLeaves_)
+  {
+    extractWhole(leaf, octant, part);
+    return;
+  }
   for (int o = 0; o < 8; ++o)
   {
     Place low;
@@ -219,6 +235,44 @@ void BlockContour::extractOctant(const Leaf& leaf, const Place& low, unsigned in
     if (coarser >> f & 1)
     {
       handOver(piece, f, beyond[f], faceSegments(f, inside, values_), part);
+    }
+  }
+  if (!leaf.ghost)
+  {
+    extractPiece(piece, finer, part);
+  }
+}
+
+/// A leaf that is trilinear as a whole.
+void BlockContour::extractWhole(const Leaf& leaf, int octant, ContourPart& part)
+{
+  Piece piece{ { 2 * sideOf(octant, 0), 2 * sideOf(octant, 1), 2 * sideOf(octant, 2) }, 2, &leaf, 0 };
+  const int base = block::vertexIndex(piece.low[0], piece.low[1], piece.low[2]);
+  for (int c = 0; c < 8; ++c)
+  {
+    values_[c] = block_.values[base + 2 * cornerOffset(c, block::vertexStride)] - isovalue_;
+  }
+  piece.inside = insideCorners(values_);
+  if (piece.inside == 0 || piece.inside == 0xff)
+  {
+    return;
+  }
+  unsigned finer = 0; // mask of faces
+  for (int f = 0; f < 6; ++f)
+  {
+    const std::uint32_t entry = 1u << entryOfFace(f);
+    finer |= static_cast<unsigned>((leaf.inner & entry) != 0) << f;
+    if ((leaf.coarse & ~leaf.ghosts & entry) != 0)
+    {
+      const int up = leaf.up[entryOfFace(f)];
+      PieceKey beyond = keyOf(piece.low, 2);
+      beyond.index[f >> 1] += f & 1 ? 2 : -2;
+      beyond.depth -= up;
+      for (Coord& i : beyond.index)
+      {
+        i = 2 * (i >> (up + 1));
+      }
+      handOver(piece, f, beyond, faceSegments(f, piece.inside, values_), part);
     }
   }
   if (!leaf.ghost)
@@ -319,7 +373,7 @@ void BlockContour::askFiner(const Piece& piece, int face, const PieceKey& key, C
 /// Whether smaller pieces at a piece's faces cover them.
 bool BlockContour::isComplete(const PieceKey& key) const noexcept
 {
-  return noneMissing_ || key.width == 2;
+  return noneMissing_ || (key.width == 2 && !wholeLeaves_); // dual cells lie between leaves
 }
 
 PieceKey BlockContour::keyOf(const Place& low, int width) const noexcept
@@ -368,7 +422,7 @@ std::uint32_t BlockContour::pointOn(const Piece& piece, int edge, ContourPart& p
   }
   std::int32_t& known = piece.width == 1
     ? pointOfEdge_[block::vertexCount * e.axis + block::vertexIndex(low[0], low[1], low[2])]
-    : pointOfDualEdge_[64 * e.axis + (low[0] + 1) / 2 + 4 * ((low[1] + 1) / 2) + 16 * ((low[2] + 1) / 2)];
+    : pointOfWideEdge_[64 * e.axis + (low[0] + 1) / 2 + 4 * ((low[1] + 1) / 2) + 16 * ((low[2] + 1) / 2)];
   if (known < 0)
   {
     known = static_cast<std::int32_t>(addPoint(piece, localPoint(edge), part));
@@ -399,7 +453,7 @@ void BlockContour::nameCrossing(const Piece& piece, int edge, std::int64_t point
   // The line between the centres of two leaves of one size is the edge of dual cells and named by its middle,
   // a vertex.
   const int unit = 1 + finestDepth_ - depth_; // log2 of an octant in half widths of the finest ones
-  if (piece.width == 2)
+  if (!piece.leaf)
   {
     name(base_[e.axis] + low[e.axis] + 1, unit);
     return;
@@ -415,25 +469,28 @@ void BlockContour::nameCrossing(const Piece& piece, int edge, std::int64_t point
   {
     return;
   }
+  const int wide = piece.width - 1;
   int up = 0;
   if (piece.leaf->coarse != 0)
   {
     // To the entries beside the edge, 0 where it is inside the leaf.
     const auto step = [&](int a) {
       const int upper = e.low >> a & 1;
-      return (piece.low[a] & 1) != upper ? 0 : upper ? entryStride[a] : -entryStride[a];
+      const bool isInside = piece.width == 1 && (piece.low[a] & 1) != upper;
+      return isInside ? 0 : upper ? entryStride[a] : -entryStride[a];
     };
     for (const int entry : { 13 + step(b), 13 + step(c), 13 + step(b) + step(c) })
     {
       const int more = piece.leaf->up[entry];
       const Coord rest = (Coord(1) << more) - 1;
-      if ((piece.leaf->coarse >> entry & 1) && (((base_[b] + low[b]) | (base_[c] + low[c])) & rest) == 0)
+      if ((piece.leaf->coarse >> entry & 1) &&
+        (((base_[b] + low[b]) | (base_[c] + low[c])) >> wide & rest) == 0)
       {
         up = std::max(up, more);
       }
     }
   }
-  name(2 * ((base_[e.axis] + low[e.axis]) >> up) + 1, up + unit - 1);
+  name(2 * ((base_[e.axis] + low[e.axis]) >> (up + wide)) + 1, up + wide + unit - 1);
 }
 
 void BlockContour::fillLoops(const Piece& piece, std::array<std::int8_t, 12>& next, ContourPart& part)

@@ -56,6 +56,8 @@ public:
 
   /// Of the leaves among the children of the inner node at the path's end.
   void extract(TreePath& path, ContourPart& part);
+  /// Of an octree whose root is a leaf, of a field that is given at its corners.
+  void extractOnlyLeaf(ContourPart& part);
 
 private:
   using Place = std::array<int, 3>; // on the block's octant lattice
@@ -71,7 +73,7 @@ private:
     std::uint32_t ghosts;            // parts of coarser leaves that are ghosts
     std::array<std::uint8_t, 27> up; // levels from it to the coarser leaf of each entry
   };
-  /// An octant or a dual cell.
+  /// An octant, a dual cell or a leaf.
   struct Piece
   {
     Place low;
@@ -82,10 +84,11 @@ private:
 
   void markInside() noexcept;
   bool crossesLeaf(int octant) const noexcept;
-  void start(const TreePath& path, const Octree::Children& children, ContourPart& part);
+  void start(const std::array<Coord, 3>& index, int depth, bool alone, ContourPart& part);
 
   void extractLeaf(TreePath& path, int octant, ContourPart& part);
   void extractOctant(const Leaf& leaf, const Place& low, unsigned inside, ContourPart& part);
+  void extractWhole(const Leaf& leaf, int octant, ContourPart& part);
   void extractDual(const Place& corner, ContourPart& part);
   /// finer: mask of faces towards smaller pieces.
   void extractPiece(const Piece& piece, unsigned finer, ContourPart& part);
@@ -107,6 +110,7 @@ private:
   const Field& field_;
   double isovalue_;
   bool noneMissing_; // cells of the domain
+  bool wholeLeaves_; // are trilinear
   int finestDepth_;  // of the finest octants
   BlockEvaluator evaluator_;
 
@@ -121,7 +125,7 @@ private:
   DualCells dualCells_;
   // By axis and lower end; -1: none yet.
   std::array<std::int32_t, 375> pointOfEdge_;
-  std::array<std::int32_t, 192> pointOfDualEdge_;
+  std::array<std::int32_t, 192> pointOfWideEdge_; // of dual cells or leaves
 
   PieceValues values_; // of the current piece
 };

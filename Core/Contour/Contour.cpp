@@ -10,7 +10,8 @@
 //   octants that meet at an edge are around each of its leaves, so every one finds the same name.
 //
 // Octants that join to a dual cell (DualCells.h) follow the same rules, with the dual cell as the coarser
-// octant: the line between the centres of two leaves of one size is its edge.
+// octant: the line between the centres of two leaves of one size is its edge. Leaves of a field that is given at their
+// corners are whole pieces, and follow them as well.
 //
 // The coarser pieces are done last. Values that hang on a coarser face are rounded on their own, so a coarse
 // edge may seem to cross its isovalue more than once: these crossings become one point, and the lines between
@@ -74,6 +75,10 @@ public:
       TreePath place(octree_);
       collect(place, field_.range(), list);
     }
+    else if (octree_.root().isLeaf() && field_.corners() && crosses(field_.range()))
+    {
+      list.push_back({ {}, -1, false });
+    }
     return list;
   }
 
@@ -87,7 +92,11 @@ public:
       place.descend(octantAbove(task.index, task.depth - depth));
     }
     BlockContour& block = blocks_.local();
-    if (task.subtree)
+    if (task.depth < 0)
+    {
+      block.extractOnlyLeaf(part);
+    }
+    else if (task.subtree)
     {
       visit(place, range, block, part);
     }

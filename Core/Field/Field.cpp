@@ -1,6 +1,7 @@
 #include "Field/Field.h"
 
 #include "Error.h"
+#include "Field/CornerValues.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -37,6 +38,27 @@ Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, do
   }
   checkAndMeasureValues();
   computeMeans();
+}
+
+Field Field::ofCorners(std::shared_ptr<const Octree> octree, const CornerSource& corners, double offset)
+{
+  if (!octree)
+  {
+    throw Error("field: no octree, needed is the one whose leaves have the values at corners");
+  }
+  LargeVector<float> means;
+  auto values = std::make_shared<const CornerValues>(*octree, corners, means);
+  Field field(std::move(octree), std::move(means), offset);
+  if (values->isContinuous())
+  {
+    field.range_ = values->range();
+    field.corners_ = std::move(values);
+  }
+  else
+  {
+    field.cornerJump_ = values->jump();
+  }
+  return field;
 }
 
 void Field::checkAndMeasureValues()
@@ -146,7 +168,7 @@ std::size_t Field::byteSize() const
 {
   const std::scoped_lock lock(ranges_->mutex);
   return (values_.capacity() + means_.capacity()) * sizeof(float) +
-    (ranges_->made ? ranges_->made->byteSize() : 0);
+    (ranges_->made ? ranges_->made->byteSize() : 0) + (corners_ ? corners_->byteSize() : 0);
 }
 
 const Field& required(const std::shared_ptr<const Field>& field, const char* user)

@@ -156,6 +156,7 @@ GradientEvaluator::GradientEvaluator(const Field& field)
   , octree_(field.octree())
   , hasAllCells_(hasAllCells(octree_))
   , leafDepth_(Octree::maxDepth + 1)
+  , corners_(field.corners() ? std::make_optional<CornerGradients>(field) : std::nullopt)
   , path_(octree_)
   , levels_(std::make_unique_for_overwrite<Level[]>(octree_.innerDepths() + 1))
 {
@@ -178,7 +179,7 @@ double GradientEvaluator::rootWidth(int axis, Coord root) const noexcept
   return grid.worldPlane(axis, root + 1, 0) - grid.worldPlane(axis, root, 0);
 }
 
-void GradientEvaluator::moveTo(const BlockPath& path, int leafDepth) noexcept
+void GradientEvaluator::setLeafDepth(int leafDepth) noexcept
 {
   if (leafDepth != leafDepth_)
   {
@@ -188,6 +189,10 @@ void GradientEvaluator::moveTo(const BlockPath& path, int leafDepth) noexcept
       levels_[depth].node = noNode;
     }
   }
+}
+
+void GradientEvaluator::moveTo(const BlockPath& path) noexcept
+{
   int common = std::min(path.depth, path_.depth());
   while (path_.around(common)[13].index() != path.node[common])
   {
@@ -573,7 +578,13 @@ double GradientEvaluator::slopeBesideMissing(int depth, Level& level, int axis, 
 void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
   BlockGradients& gradients, const Values* values) noexcept
 {
-  this->moveTo(path, cells == BlockCells::Means ? path.depth + 1 : Octree::maxDepth + 1);
+  if (corners_ && cells == BlockCells::Leaves)
+  {
+    this->computeFromCorners(path, vertices, gradients);
+    return;
+  }
+  this->setLeafDepth(cells == BlockCells::Means ? path.depth + 1 : Octree::maxDepth + 1);
+  this->moveTo(path);
   Level& level = this->levelAt(path.depth);
   level.vertices = level.isComplete ? values : nullptr;
   for (int z = 0; z < block::verticesPerEdge; ++z)
@@ -586,6 +597,47 @@ void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const B
     }
   }
   level.vertices = nullptr; // the caller's
+}
+
+/// Between those at the leaves' corners.
+void GradientEvaluator::computeFromCorners(
+  const BlockPath& path, const BlockVertices& vertices, BlockGradients& gradients) noexcept
+{
+  const bool isOnlyLeaf = octree_.root().isLeaf();
+  if (!isOnlyLeaf)
+  {
+    this->moveTo(path);
+  }
+  for (int z = 0; z < block::verticesPerEdge; ++z)
+  {
+    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+    {
+      const int bit = std::countr_zero(rest);
+      const std::array<int, 3> at{ bit % 5, bit / 5, z };
+      int low = 0;
+      unsigned halfway = 0; // mask of axes
+      for (int a = 0; a < 3; ++a)
+      {
+        low += familyStride[a] * (at[a] / 2);
+        halfway |= static_cast<unsigned>(at[a] & 1) << a;
+      }
+      Vec3& gradient = gradients[bit + block::vertexStride[2] * z];
+      gradient = {};
+      for (unsigned sides = halfway;; sides = (sides - 1) & halfway)
+      {
+        const int vertex = low + cornerOffset(static_cast<int>(sides), familyStride);
+        const Vec3 one = isOnlyLeaf ? corners_->inOnlyLeaf(vertex) : corners_->at(path_, vertex);
+        for (int a = 0; a < 3; ++a)
+        {
+          gradient[a] += one[a] / (1 << std::popcount(halfway));
+        }
+        if (sides == 0)
+        {
+          break;
+        }
+      }
+    }
+  }
 }
 
 BlockVertices verticesOfOctants(std::uint64_t octants) noexcept

@@ -14,17 +14,21 @@
 //
 // Its error is of the second order for smooth fields inside the domain, of the first where levels meet; none for
 // trilinear fields away from missing cells. (The paper leaves gradients open.)
+//
+// CornerGradients.h says what they are in leaves of a field that is given at corners.
 #pragma once
 
 #include "Field/Field.h"
 #include "Geometry/Vec3.h"
 #include "Interpolation/BlockValues.h"
+#include "Interpolation/CornerGradients.h"
 #include "Octree/TreePath.h"
 
 #include <array>
 #include <bitset>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace treeamr
 {
@@ -94,7 +98,10 @@ private:
   };
   static constexpr std::uint64_t noNode = ~std::uint64_t(0);
 
-  void moveTo(const BlockPath& path, int leafDepth) noexcept;
+  void moveTo(const BlockPath& path) noexcept;
+  void setLeafDepth(int depth) noexcept;
+  void computeFromCorners(
+    const BlockPath& path, const BlockVertices& vertices, BlockGradients& gradients) noexcept;
   void gather(int depth, Level& level) const noexcept;
   void measure(int depth, Level& level) const noexcept;
   Level& levelAt(int depth) noexcept;
@@ -115,7 +122,8 @@ private:
   const Octree& octree_;
   Vec3 uniformWidth_{}; // of the roots; 0: they differ
   bool hasAllCells_;
-  int leafDepth_; // nodes of this depth are taken as leaves
+  int leafDepth_;                          // nodes of this depth are taken as leaves
+  std::optional<CornerGradients> corners_; // none: the values are those at centres
   TreePath path_;
   std::unique_ptr<Level[]> levels_; // by depth of the inner node
 };

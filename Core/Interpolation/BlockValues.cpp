@@ -375,8 +375,43 @@ double BlockEvaluator::hangingDeep(
   return sum;
 }
 
+/// From a node's corners, and means of these between them.
+void BlockEvaluator::evaluateCorners(const BlockPath& path) noexcept
+{
+  drawn_ = octree_.root().isLeaf() ? 1 : octree_.children(path.node[path.depth]).leaf;
+  const CornerValues::Family family = familyOf(*corners_, octree_, path);
+  for (int i = 0; i < 27; ++i)
+  {
+    const int vertex = vertexIndex(2 * (i % 3), 2 * (i / 3 % 3), 2 * (i / 9));
+    values_[vertex] = family.has(i) ? family[i] : 0.;
+  }
+  const auto between = [&](int axis, int from) {
+    for (const int middle : { from + vertexStride[axis], from + 3 * vertexStride[axis] })
+    {
+      values_[middle] = 0.5 * (values_[middle - vertexStride[axis]] + values_[middle + vertexStride[axis]]);
+    }
+  };
+  for (int i = 0; i < 9; ++i)
+  {
+    between(0, vertexIndex(0, 2 * (i % 3), 2 * (i / 3)));
+  }
+  for (int i = 0; i < 15; ++i)
+  {
+    between(1, vertexIndex(i % 5, 0, 2 * (i / 5)));
+  }
+  for (int i = 0; i < 25; ++i)
+  {
+    between(2, i);
+  }
+}
+
 void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
 {
+  if (corners_ && cells == BlockCells::Leaves)
+  {
+    this->evaluateCorners(path);
+    return;
+  }
   const int depth = path.depth;
   const Octree::Children own = octree_.children(path.node[depth]);
   Level* level = &byMeans_;
@@ -401,6 +436,12 @@ void BlockEvaluator::evaluate(const BlockPath& path, BlockCells cells) noexcept
 
 Range BlockEvaluator::bounds(const BlockPath& path) noexcept
 {
+  if (corners_)
+  {
+    BlockValues block;
+    compute(path, BlockCells::Leaves, block);
+    return block.range;
+  }
   Level& level = levelAt(path, path.depth);
   if (level.deep)
   {

@@ -1,9 +1,11 @@
 // The vertex values of all children of one inner node at once: what VertexValues.h gives leaf by leaf.
 //
 // The children's vertices form a lattice of 5 x 5 x 5 points, which eight leaves share: 125 values instead of
-// 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node.
+// 8 x 27, found from the 4 x 4 x 4 cells of the children's size in and around the node; of a field that is given at
+// corners, from those of the leaves alone.
 #pragma once
 
+#include "Field/CornerValues.h"
 #include "Field/Field.h"
 #include "Interpolation/BlockLattice.h"
 #include "Octree/TreePath.h"
@@ -59,6 +61,16 @@ struct BlockPath
   void ascend() noexcept { --depth; }
 };
 
+/// The corners of the leaves among the children of the node at a path's end; of an octree whose root is a leaf, this one's.
+inline CornerValues::Family familyOf(
+  const CornerValues& corners, const Octree& octree, const BlockPath& path) noexcept
+{
+  const int depth = path.depth;
+  return octree.root().isLeaf() ? corners.onlyLeaf()
+    : depth == 0                ? corners.family(0, 0, 0, 0)
+                 : corners.family(depth, path.node[depth], path.node[depth - 1], path.octant[depth - 1]);
+}
+
 enum class BlockCells
 {
   Leaves, // the leaves among the children
@@ -68,12 +80,16 @@ enum class BlockCells
 /// GTI at the vertices of the children of an inner node, for leaves the same values bit for bit as
 /// vertexValues() gives for each. The path must end at the inner node. Vertices that hang on coarser faces are
 /// kept while a walk stays below their node.
+///
+/// Of a field given at corners, leaves have the values between these. An octree whose root is a leaf has one block, at the
+/// path's depth 0, whose child 0 the leaf is.
 class BlockEvaluator
 {
 public:
   explicit BlockEvaluator(const Field& field)
     : field_(field)
     , octree_(field.octree())
+    , corners_(field.corners())
     , levels_(
         std::make_unique_for_overwrite<Level[]>(octree_.grid().paddingDepth() + octree_.leafLevels() + 2))
   {
@@ -126,9 +142,11 @@ private:
   int leafDepth(const BlockPath& path, int depth, int place) noexcept;
   double hangingDeep(const BlockPath& path, int depth, const Level& level, unsigned axes, int place) noexcept;
   void evaluate(const BlockPath& path, BlockCells cells) noexcept;
+  void evaluateCorners(const BlockPath& path) noexcept;
 
   const Field& field_;
   const Octree& octree_;
+  const CornerValues* corners_;     // null: the values are those at centres
   std::unique_ptr<Level[]> levels_; // by 1 + depth of the inner node; the first is above the root
   Level byMeans_;
   unsigned drawn_;                                    // children whose vertices are wanted

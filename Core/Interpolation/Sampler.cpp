@@ -1,6 +1,7 @@
 #include "Interpolation/Sampler.h"
 
 #include "Geometry/Trilinear.h"
+#include "Interpolation/CornerSampler.h"
 #include "Interpolation/LeafFinder.h"
 #include "Interpolation/PointSampler.h"
 #include "Interpolation/VertexValues.h"
@@ -150,12 +151,14 @@ public:
   }
 };
 
-class GTISampler : public Sampler
+/// Of what keeps the way to its last point: PointSampler or CornerSampler.
+template <class OfThread>
+class ContinuousSampler : public Sampler
 {
 public:
-  explicit GTISampler(std::shared_ptr<const Field> field)
+  explicit ContinuousSampler(std::shared_ptr<const Field> field)
     : Sampler(std::move(field))
-    , ofThreads_([this] { return PointSampler(this->field()); })
+    , ofThreads_([this] { return OfThread(this->field()); })
   {
   }
   bool sampleRelative(const std::array<double, 3>& pWorld, FieldSample& sample) const override
@@ -164,7 +167,7 @@ public:
   }
 
 private:
-  mutable tbb::enumerable_thread_specific<PointSampler> ofThreads_;
+  mutable tbb::enumerable_thread_specific<OfThread> ofThreads_;
 };
 
 } // namespace
@@ -185,7 +188,11 @@ std::unique_ptr<Sampler> Sampler::create(InterpolationMethod method, std::shared
     case InterpolationMethod::GTI:
       break;
   }
-  return std::make_unique<GTISampler>(std::move(field));
+  if (field->corners())
+  {
+    return std::make_unique<ContinuousSampler<CornerSampler>>(std::move(field));
+  }
+  return std::make_unique<ContinuousSampler<PointSampler>>(std::move(field));
 }
 
 bool findCell(const Octree& octree, const std::array<double, 3>& pWorld, CellId& cell)

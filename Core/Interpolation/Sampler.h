@@ -6,6 +6,7 @@
 // octant   continuous and adaptive, equal weights at level boundaries (Wang et al. 2019)
 // GTI      the paper's generalized trilinear interpolation
 // A corner of a dual cell without a cell takes no part: the others' weights are renormalised.
+// Of a field that is given at corners GTI stands for what it is, trilinear in each cell; the others know cells' means alone.
 #pragma once
 
 #include "Field/Field.h"

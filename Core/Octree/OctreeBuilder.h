@@ -38,6 +38,11 @@ struct OctreeAndValues
 template <class Source>
 OctreeAndValues buildOctree(RootGrid grid, const Source& source);
 
+/// Calls visit(leaf, handle) for each leaf of an octree with its name in a source of the same topology, from several
+/// threads.
+template <class Source, class Visit>
+void forEachLeaf(const Octree& octree, const Source& source, const Visit& visit);
+
 /// The values of another field of the same topology, in the octree's leaf order.
 template <class Source>
 LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source);

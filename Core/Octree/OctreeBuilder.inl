@@ -35,15 +35,14 @@ OctreeAndValues buildOctree(RootGrid grid, const Source& source)
   return result;
 }
 
-template <class Source>
-LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source)
+template <class Source, class Visit>
+void forEachLeaf(const Octree& octree, const Source& source, const Visit& visit)
 {
   using Handle = typename Source::Handle;
-  LargeVector<float> values(octree.leafCount());
   const auto gather = [&](const auto& self, NodeRef node, const Handle& handle, int parallelLevels) -> void {
     if (node.isLeaf())
     {
-      values[node.index()] = source.value(handle);
+      visit(node.index(), handle);
       return;
     }
     const auto gatherChild = [&](int o) {
@@ -74,6 +73,15 @@ LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source)
     {
       gather(gather, node, source.root(r), 3);
     }
+  });
+}
+
+template <class Source>
+LargeVector<float> gatherLeafValues(const Octree& octree, const Source& source)
+{
+  LargeVector<float> values(octree.leafCount());
+  forEachLeaf(octree, source, [&](std::uint64_t leaf, const typename Source::Handle& handle) {
+    values[leaf] = source.value(handle);
   });
   return values;
 }

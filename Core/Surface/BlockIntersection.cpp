@@ -26,11 +26,11 @@ double placeError(const BlockPlanes& planes, const RayPart& ray) noexcept
 
 /// The roots on a crossing of a mixed record.
 template <class Visit>
-void visitMixed(const CrossedBlock& block, const RayPart& ray, double isovalue, const Cubic& cubic,
-  const OctantCrossing& crossing, const Visit& visit)
+void visitMixed(const CrossedBlock& block, double rounding, const RayPart& ray, double isovalue,
+  const Cubic& cubic, const OctantCrossing& crossing, const Visit& visit)
 {
   const auto at = [&](const Vec3& place) {
-    return onSeam(*block.record, isovalue, crossing.octant, place, placeError(block.planes, ray));
+    return onSeam(*block.record, isovalue, crossing.octant, place, placeError(block.planes, ray), rounding);
   };
   visitRoots(cubic, at(crossing.from), at(crossing.to), 0., visit);
 }
@@ -112,7 +112,7 @@ void BlockIntersection::visitHits(const CrossedBlock& block, const RayPart& ray,
         };
         if (record.isMixed())
         {
-          visitMixed(block, ray, isovalue, cubic, crossing, visitRoot);
+          visitMixed(block, blocks_.rounding(), ray, isovalue, cubic, crossing, visitRoot);
         }
         else
         {
@@ -257,8 +257,8 @@ void BlockIntersection::takeCandidates(RayTile& tile) const
       const RayPart ray = tile.rays.at(candidates.ray(i));
       const OctantCrossing crossing(
         block.planes, ray.ray, candidates.octant(i), candidates.t0[i], candidates.t1[i]);
-      visitMixed(block, ray, blocks_.isovalues()[candidates.isovalue(i)], candidates.along(i), crossing,
-        [&](double s) {
+      visitMixed(block, blocks_.rounding(), ray, blocks_.isovalues()[candidates.isovalue(i)],
+        candidates.along(i), crossing, [&](double s) {
           takeRoot(tile, i, s, crossing.t0 + s * (crossing.t1 - crossing.t0));
           return firstOnly;
         });

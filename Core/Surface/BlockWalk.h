@@ -196,9 +196,9 @@ inline Cubic alongCrossing(
 
 /// The field less the isovalue where a ray enters or leaves an octant, 0 where it may be: from the vertices of the seam
 /// alone, as the neighbour sees them. Where vertices differ by many orders of magnitude, the cubic of the crossing has
-/// the digits of the largest only. placeError: bound of the place's, in octants.
-inline double onSeam(
-  const SurfaceRecord& record, double isovalue, int octant, const Vec3& place, double placeError) noexcept
+/// the digits of the largest only. placeError: bound of the place's, in octants. rounding: of values, as in SurfaceBlocks.
+inline double onSeam(const SurfaceRecord& record, double isovalue, int octant, const Vec3& place,
+  double placeError, double rounding) noexcept
 {
   std::array<std::array<double, 2>, 3> weights;
   for (int a = 0; a < 3; ++a)
@@ -222,8 +222,7 @@ inline double onSeam(
       high = std::max(high, vertex);
     }
   }
-  const double tolerance =
-    SurfaceRecord::rounding * std::max(std::abs(low), std::abs(high)) + placeError * (high - low);
+  const double tolerance = rounding * std::max(std::abs(low), std::abs(high)) + placeError * (high - low);
   return std::abs(value) <= tolerance ? 0. : value;
 }
 

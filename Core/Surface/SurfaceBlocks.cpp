@@ -267,7 +267,14 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   unsigned drawn = 1;
   if (block.depth() < 0)
   {
-    record.values.fill(field_->relative(octree.root()));
+    if (field_->corners())
+    {
+      worker.evaluator.computeUnrounded(BlockPath(), BlockCells::Leaves, record.values);
+    }
+    else
+    {
+      record.values.fill(field_->relative(octree.root()));
+    }
     drawn = octree.isGhost(octree.root().index()) ? 0 : 1;
   }
   else
@@ -288,7 +295,7 @@ void SurfaceBlocks::evaluate(const SurfaceBlock& block, Worker& worker, SurfaceR
   const auto [low, high] = std::minmax_element(record.values.begin(), record.values.end());
   record.signedWidth = *high - *low;
   // Isovalues that pass through are no larger.
-  record.tolerance = SurfaceRecord::rounding * std::max(std::abs(*low), std::abs(*high));
+  record.tolerance = this->rounding() * std::max(std::abs(*low), std::abs(*high));
   findActiveOctants(record, drawn);
 }
 

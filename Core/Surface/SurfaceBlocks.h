@@ -79,8 +79,6 @@ struct alignas(64) SurfaceRecord
   double tolerance;               // bound of the rounding errors of interpolated values
   double signedWidth;             // see width() and isMixed()
 
-  /// Of the tolerance, to the largest value.
-  static constexpr double rounding = 0x1p-49;
   /// Largest less least value.
   double width() const noexcept { return std::abs(signedWidth); }
   /// Whether some octant's values differ so little beside the width that the tolerance is too wide for it.
@@ -107,6 +105,9 @@ public:
 
   const LargeVector<SurfaceBlock>& all() const noexcept { return blocks_; }
   const std::vector<double>& isovalues() const noexcept { return isovalues_; }
+  /// Of the tolerance, to the largest value: of the double precision in which both sides of a face interpolate, and of what
+  /// is stored of corners on one side and interpolated on the other.
+  double rounding() const noexcept { return field_->corners() ? 0x1p-22 : 0x1p-49; }
   const Field& field() const noexcept { return *field_; }
   /// To the node of a block whose depth is not -1, and what its cells are: means where they are drawn together.
   BlockPath pathTo(const SurfaceBlock& block) const noexcept

@@ -72,9 +72,13 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
 {
   const SurfaceBlock& block = blocks_.all()[number];
   const BlockVertices vertices = verticesOfOctants(octants);
-  if (block.depth() < 0)
+  if (block.depth() < 0 && !blocks_.field().corners())
   {
     worker.gradients = {}; // of a single cell
+  }
+  else if (block.depth() < 0)
+  {
+    worker.evaluator.compute(BlockPath(), BlockCells::Leaves, vertices, worker.gradients);
   }
   else
   {

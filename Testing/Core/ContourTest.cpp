@@ -7,6 +7,8 @@
 #include "Octree/OctreeBuilder.h"
 #include "Octree/TreePath.h"
 #include "Support/BruteForceGTI.h"
+#include "Support/CornerFunction.h"
+#include "Support/Fields.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
@@ -97,6 +99,7 @@ class Leaves
 public:
   explicit Leaves(const Field& field)
     : domain_(field.octree().grid().bounds())
+    , whole_(field.corners() != nullptr)
   {
     TreePath root(field.octree());
     forEachNode(root, [&](const TreePath& path) {
@@ -106,8 +109,8 @@ public:
       }
     });
   }
-  /// Whether an octant's face on which the line from p to q lies has no drawn cell on some part of its other
-  /// side.
+  /// Whether a face of a piece, an octant or a leaf, on which the line from p to q lies has no drawn cell on some part of
+  /// its other side.
   bool isOpen(const Point& p, const Point& q) const
   {
     for (int a = 0; a < 3; ++a)
@@ -125,7 +128,7 @@ public:
         const bool upper = face & 1;
         Bounds octant = leaf;
         octant.min[axis] = octant.max[axis] = upper ? leaf.max[axis] : leaf.min[axis];
-        for (int i = 1; i < 3; ++i)
+        for (int i = 1; i < 3 && !whole_; ++i)
         {
           const int a = (axis + i) % 3;
           (face >> i & 1 ? octant.min : octant.max)[a] = 0.5 * (leaf.min[a] + leaf.max[a]);
@@ -174,6 +177,7 @@ private:
   }
 
   Bounds domain_;
+  bool whole_; // leaves are pieces
   std::vector<Bounds> boxes_;
 };
 
@@ -270,6 +274,153 @@ TEST(Contour, IsASurfaceAtGhosts)
     }
   }
   EXPECT_GT(edges, 1000);
+}
+
+TEST(Contour, OfCornersIsASurface)
+{
+  int triangles = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const CornerFunction function(makeRandomTree(options), options.seed);
+    const auto field = function.field(unitRoots(options.roots));
+    for (const double isovalue : { 0., 0.1, -0.3 })
+    {
+      const ContourMesh mesh = contour(*field, isovalue);
+      expectSurface(mesh, *field, "seed " + std::to_string(options.seed) + " at " + std::to_string(isovalue));
+      triangles += static_cast<int>(mesh.triangles.size());
+    }
+  }
+  EXPECT_GT(triangles, 50000);
+}
+
+TEST(Contour, OfCornersIsASurfaceWhereTheyHaveTheIsovalue)
+{
+  for (const RandomTree& options : propertyTrees())
+  {
+    std::mt19937 random(options.seed);
+    const CornerFunction function(
+      makeRandomTree(options), [&](const Point&) { return static_cast<double>(random() % 3) - 1.; });
+    const auto field = function.field(unitRoots(options.roots));
+    for (const double isovalue : { 0., 0.5, 1., -0.25 })
+    {
+      expectSurface(contour(*field, isovalue), *field,
+        "seed " + std::to_string(options.seed) + " at " + std::to_string(isovalue));
+    }
+  }
+}
+
+TEST(Contour, OfCornersIsASurfaceAtGhosts)
+{
+  for (const RandomTree& options : propertyTrees())
+  {
+    const CornerFunction function(makeRandomTree(options), options.seed);
+    const auto plain = function.field(unitRoots(options.roots));
+    const auto octree = buildOctree(plain->octree().grid(), WithGhosts(*plain)).octree;
+    const std::vector<CellId> leaves = leavesOf(*octree);
+    const Field field = Field::ofCorners(octree, [&](std::uint64_t leaf) {
+      std::array<float, 8> corners;
+      const std::array<double, 8> values = function.corners(leaves[leaf]);
+      std::copy(values.begin(), values.end(), corners.begin());
+      return corners;
+    });
+    ASSERT_TRUE(field.corners());
+    expectSurface(contour(field, 0.05), field, "seed " + std::to_string(options.seed));
+  }
+}
+
+TEST(Contour, OfHangingCornersThatAreFreeIsASurface)
+{
+  // As writers leave them that evaluate elements of higher order at cells' corners alone.
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto cells = makeRandomTree(options);
+    const auto octree = buildOctree(unitRoots(options.roots), cells).octree;
+    const std::vector<CellId> leaves = leavesOf(*octree);
+    const Field field = Field::ofCorners(octree, [&](std::uint64_t leaf) {
+      std::array<float, 8> corners;
+      for (int c = 0; c < 8; ++c)
+      {
+        Point p;
+        for (int a = 0; a < 3; ++a)
+        {
+          p[a] = std::ldexp(static_cast<double>(leaves[leaf].index[a] + sideOf(c, a)), -leaves[leaf].level);
+        }
+        corners[c] =
+          static_cast<float>(std::sin(40. * p[0] + 3.) * std::cos(31. * p[1]) + 0.7 * std::sin(50. * p[2]));
+      }
+      return corners;
+    });
+    ASSERT_TRUE(field.corners());
+    for (const double isovalue : { 0., 0.3 })
+    {
+      expectSurface(contour(field, isovalue), field,
+        "seed " + std::to_string(options.seed) + " at " + std::to_string(isovalue));
+    }
+  }
+}
+
+TEST(Contour, OfCornersPassesWhereTheFunctionDoes)
+{
+  int onEdges = 0;
+  int centres = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto cells = makeRandomTree(options);
+    const CornerFunction function(cells, options.seed);
+    const auto field = function.field(unitRoots(options.roots));
+    const auto octree = field->sharedOctree();
+    constexpr double isovalue = 0.05;
+    const ContourMesh mesh = contour(*field, isovalue, { .gradients = true });
+    const std::vector<float> values = interpolate(*field, mesh);
+    for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    {
+      const Point& p = mesh.points[i];
+      CellId leaf;
+      ASSERT_TRUE(findCell(*octree, p, leaf));
+      int onPlanes = 0;
+      for (int a = 0; a < 3; ++a)
+      {
+        const double place = std::ldexp(p[a], leaf.level);
+        onPlanes += place == std::floor(place);
+      }
+      // At a vertex that has the isovalue a point keeps a little away.
+      const double found = function.value(leaf, p);
+      ASSERT_NEAR(values[i], found, 2e-6);
+      if (onPlanes >= 2)
+      {
+        ++onEdges;
+        ASSERT_NEAR(found, isovalue, 1e-6) << options.seed;
+      }
+      else
+      {
+        ++centres; // in a long loop: near the surface
+        ASSERT_NEAR(found, isovalue, 0.2);
+      }
+      for (const double g : mesh.gradients[i])
+      {
+        ASSERT_TRUE(std::isfinite(g));
+      }
+    }
+  }
+  EXPECT_GT(onEdges, 20000);
+  EXPECT_GT(centres, 1000);
+}
+
+TEST(Contour, OfCornersOfASingleCellIsInIt)
+{
+  const std::vector<LeafCell> cells{ { {}, 0.f } };
+  const CornerFunction function(cells, [](const Point& p) { return p[0]; });
+  const auto field = function.field(unitRoots({ 1, 1, 1 }));
+  const ContourMesh mesh = contour(*field, 0.25, { .gradients = true });
+  ASSERT_EQ(mesh.points.size(), 4u);
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  for (std::size_t i = 0; i < 4; ++i)
+  {
+    EXPECT_EQ(mesh.points[i][0], 0.25);
+    EXPECT_NEAR(mesh.gradients[i][0], 1., 1e-6);
+    EXPECT_NEAR(mesh.gradients[i][1], 0., 1e-6);
+  }
+  EXPECT_EQ(interpolate(*field, mesh), std::vector<float>(4, 0.25f));
 }
 
 TEST(Contour, IsClosedForValuesOfAnySize)

@@ -42,10 +42,18 @@ long double ExactRay::Octant::at(long double part) const
   return v[0];
 }
 
+ExactRay::ExactRay(const std::array<int, 3>& roots, const std::vector<LeafCell>& cells,
+  std::function<double(const BruteForceGTI::Vertex&)> vertices)
+  : ExactRay(roots, cells)
+{
+  vertices_ = std::move(vertices);
+}
+
 double ExactRay::vertex(const BruteForceGTI::Vertex& v)
 {
   const auto known = values_.find(v);
-  return known != values_.end() ? known->second : values_[v] = truth_.vertex(v).value();
+  return known != values_.end() ? known->second
+                                : values_[v] = vertices_ ? vertices_(v) : truth_.vertex(v).value();
 }
 
 void ExactRay::forEachOctant(

@@ -1,5 +1,4 @@
-// The reconstruction along rays in extended precision, octant by octant, from the brute force's vertex values:
-// surfaces and colours that renderers are tested against.
+// A field along rays in extended precision, octant by octant, from the brute force's vertex values or others: surfaces and colours that renderers are tested against.
 #pragma once
 
 #include "Field/TransferFunction.h"
@@ -19,6 +18,9 @@ class ExactRay
 {
 public:
   ExactRay(const std::array<int, 3>& roots, const std::vector<LeafCell>& cells);
+  /// Of a field that has other values at the octants' vertices than the reconstruction's.
+  ExactRay(const std::array<int, 3>& roots, const std::vector<LeafCell>& cells,
+    std::function<double(const BruteForceGTI::Vertex&)> vertices);
 
   /// All t in [tMin, tMax] where the field crosses the isovalue.
   std::vector<double> crossings(const Ray& ray, double tMin, double tMax, double isovalue);
@@ -45,7 +47,8 @@ private:
   double vertex(const BruteForceGTI::Vertex& v);
 
   BruteForceGTI truth_;
-  int levels_ = 0;                           // deepest level
+  std::function<double(const BruteForceGTI::Vertex&)> vertices_; // none: the truth's
+  int levels_ = 0;                                               // deepest level
   std::array<std::vector<Coord>, 3> planes_; // of octants, in half widths of the deepest level
   std::map<BruteForceGTI::Vertex, double> values_;
 };

@@ -229,7 +229,9 @@ private:
   {
     evaluator_.compute(path, cells, values_);
     ++statistics_.blocks;
-    statistics_.cells += std::popcount(scene_.field.octree().children(path.node[path.depth]).leaf);
+    const Octree& octree = scene_.field.octree();
+    statistics_.cells +=
+      octree.root().isLeaf() ? 1 : std::popcount(octree.children(path.node[path.depth]).leaf);
   }
 
   const VolumeKernelScene& scene_;

@@ -351,11 +351,20 @@ private:
     }
   }
 
-  /// A tree without inner nodes: one constant.
+  /// A tree without inner nodes: one constant, or what is between its corners.
   void visitOnlyLeaf(const Box<Real>& box, GroupMask active)
   {
     if (octree_.isGhost(0))
     {
+      return;
+    }
+    if (scene_.field.corners() && !scene_.features.categories)
+    {
+      Block<Real> block;
+      if (blocks_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0], block))
+      {
+        integrate(block, box, Lattice<Real>(box, 0), active);
+      }
       return;
     }
     if (!scene_.features.preIntegration)

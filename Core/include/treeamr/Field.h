@@ -17,10 +17,15 @@
 //   ... static_cast<float>(value - offset) ...                 // as the cells' values
 //   auto field = std::make_shared<const treeamr::Field>(built.octree, std::move(built.values), offset);
 //
+// Values at the corners of cells (finite elements Q1), by leaf of the octree, make a field that is trilinear in each:
+//
+//   auto field = std::make_shared<const treeamr::Field>(treeamr::Field::ofCorners(
+//     built.octree, [&](std::uint64_t leaf) { return std::array<float, 8>{ ... }; })); // x fastest, then y
+//
 // Isovalues and the values that samplers give are the field's own again; other headers say what is less its offset.
 // Regions of the lattice may be without cells. Between the cells' centres the field is reconstructed by Generalized
 // Trilinear Interpolation, continuous across levels. Memory: under 6 bytes a cell for one field, under 5 for each
-// further one. Objects are immutable once made and may be used by several threads.
+// further one, 13 to 20 with corners. Objects are immutable once made and may be used by several threads.
 //
 // Errors: what is not allowed is a treeamr::Error (a std::runtime_error, <treeamr/Error.h>) that names the object, what
 // was found and what is allowed; too little memory is std::bad_alloc. So it is in all of these headers.
