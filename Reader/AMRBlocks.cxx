@@ -211,7 +211,7 @@ BlockArrays arraysOf(const std::vector<AMRBlock>& blocks)
     sets.push_back({ block.data(), block.name() });
   }
   return arraysOf(std::move(sets),
-    [&blocks](const CellNumber& number) { return blocks[number.block()].points(number.cell()); });
+    { [&blocks](const CellNumber& number) { return blocks[number.block()].points(number.cell()); } });
 }
 
 } // namespace treeamr

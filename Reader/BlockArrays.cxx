@@ -11,7 +11,11 @@
 #include "vtkPointData.h"
 #include "vtkUnsignedCharArray.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
+
 #include <algorithm>
+#include <functional>
 #include <mutex>
 #include <type_traits>
 
@@ -115,7 +119,7 @@ public:
   PointMeanFiller(const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes)
     : BlendedFiller<MeanType<T>>(
         array.name.c_str(), arrayOf(arrays.blocks.front(), array)->GetNumberOfComponents(), nodes)
-    , points_(arrays.points)
+    , points_(arrays.points.points)
     , arrays_(typedArrays<T>(arrays.blocks, array))
   {
     copyNames(arrayOf(arrays.blocks.front(), array), this->array());
@@ -141,6 +145,64 @@ private:
   const CellPoints& points_;
   std::vector<vtkSmartPointer<TypedArray<T>>> arrays_; // by block
 };
+
+template <class T>
+class PointCornersFiller : public CornersFiller<T>
+{
+public:
+  PointCornersFiller(const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes)
+    : CornersFiller<T>(array.name.c_str(), nodes, arrayOf(arrays.blocks.front(), array)->GetDataType())
+    , corners_(arrays.points.corners)
+    , arrays_(typedArrays<T>(arrays.blocks, array))
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    const CellNumber number(leaf.number);
+    const T* const values = arrays_[number.block()]->GetPointer(0);
+    const std::array<vtkIdType, 8> points = corners_(number);
+    for (int c = 0; c < cornerCount; ++c)
+    {
+      this->tuple(node)[c] = values[points[c]];
+    }
+  }
+
+private:
+  const CellPoints& corners_;
+  std::vector<vtkSmartPointer<TypedArray<T>>> arrays_; // by block
+};
+
+/// Whether each cell has one value at all its points, as writers leave arrays of cells that know arrays of points alone.
+template <class T>
+bool isOfCells(const BlockArrays& arrays, const BlockArray& array, const CellsInOrder& cells)
+{
+  const std::vector<vtkSmartPointer<TypedArray<T>>> typed = typedArrays<T>(arrays.blocks, array);
+  return tbb::parallel_reduce(
+    tbb::blocked_range<std::size_t>(0, cells.count, 4096), true,
+    [&](const auto& range, bool same) {
+      for (std::size_t i = range.begin(); same && i != range.end(); ++i)
+      {
+        const CellNumber number = cells.cell(i);
+        const T* const values = typed[number.block()]->GetPointer(0);
+        const std::array<vtkIdType, 8> points = arrays.points.points(number);
+        same = std::ranges::all_of(points, [&](vtkIdType p) { return values[p] == values[points[0]]; });
+      }
+      return same;
+    },
+    std::logical_and<>());
+}
+
+/// Of one component of float or double.
+template <class T>
+std::unique_ptr<CellArrayFiller> makeCornersFiller(
+  const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes, const CellsInOrder& cells)
+{
+  if (isOfCells<T>(arrays, array, cells))
+  {
+    return std::make_unique<PointMeanFiller<T>>(arrays, array, nodes);
+  }
+  return std::make_unique<PointCornersFiller<T>>(arrays, array, nodes);
+}
 
 /// Of what no type of numbers stands for: strings, bits, variants. Rare, so one thread at a time.
 class AnyFiller : public CellArrayFiller
@@ -195,13 +257,15 @@ void addArrays(bool ofPoints, BlockArrays& result)
       vtkAbstractArray* const array = attributes->GetAbstractArray(i);
       const std::string name = array->GetName() ? array->GetName() : "";
       const auto isKnown = [&](const BlockArray& known) { return known.name == name; };
-      if (name == vtkDataSetAttributes::GhostArrayName() || std::ranges::any_of(result.arrays, isKnown) ||
+      const bool isWanted = !ofPoints || !result.points.isWanted || result.points.isWanted(name);
+      if (!isWanted || name == vtkDataSetAttributes::GhostArrayName() ||
+        std::ranges::any_of(result.arrays, isKnown) ||
         std::ranges::any_of(result.leftOut,
           [&](const std::string& text) { return text.starts_with(kind + " array '" + name + "'"); }))
       {
         continue;
       }
-      const BlockArray candidate{ name, ofPoints };
+      BlockArray candidate{ name, ofPoints };
       std::string objection;
       if (name.empty())
       {
@@ -230,8 +294,11 @@ void addArrays(bool ofPoints, BlockArrays& result)
       }
       if (objection.empty())
       {
+        const int type = array->GetDataType();
+        candidate.atCorners = ofPoints && result.points.corners && array->GetNumberOfComponents() == 1 &&
+          (type == VTK_FLOAT || type == VTK_DOUBLE);
         result.arrays.push_back(candidate);
-        if (ofPoints)
+        if (ofPoints && !candidate.atCorners)
         {
           result.averaged.push_back(name);
         }
@@ -246,7 +313,7 @@ void addArrays(bool ofPoints, BlockArrays& result)
 
 } // namespace
 
-BlockArrays arraysOf(std::vector<NamedDataSet> blocks, CellPoints points)
+BlockArrays arraysOf(std::vector<NamedDataSet> blocks, PointArrays points)
 {
   BlockArrays result{ std::move(blocks), std::move(points), {}, {}, {} };
   addArrays(false, result);
@@ -267,9 +334,15 @@ BlockArrays arraysOf(std::vector<NamedDataSet> blocks, CellPoints points)
 }
 
 std::unique_ptr<CellArrayFiller> makeFiller(
-  const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes)
+  const BlockArrays& arrays, const BlockArray& array, vtkIdType nodes, const CellsInOrder& cells)
 {
-  switch (arrayOf(arrays.blocks.front(), array)->GetDataType())
+  const int type = arrayOf(arrays.blocks.front(), array)->GetDataType();
+  if (array.atCorners)
+  {
+    return type == VTK_FLOAT ? makeCornersFiller<float>(arrays, array, nodes, cells)
+                             : makeCornersFiller<double>(arrays, array, nodes, cells);
+  }
+  switch (type)
   {
     vtkTemplateMacro(
       if (array.ofPoints) return std::make_unique<PointMeanFiller<VTK_TT>>(arrays, array, nodes);

@@ -2,6 +2,7 @@
 // the module.
 #pragma once
 
+#include "CornerArrays.h"
 #include "Forest/PayloadLayout.h"
 #include "Forest/TreeLattice.h"
 #include "Forest/TreeLeaf.h"
@@ -59,7 +60,7 @@ public:
   {
     std::copy_n(tuple(sibling), components_, tuple(node));
   }
-  vtkAbstractArray* array() const noexcept override { return array_; }
+  vtkDataArray* array() const noexcept override { return array_; }
 
 protected:
   /// type: VTK's number of it, for T may be that of several (vtkIdType).
@@ -165,39 +166,44 @@ private:
   PayloadField field_;
 };
 
-/// A payload's values at the corners of its leaf, in the order of the grid's axes. An inner node has those at its own
-/// corners.
+/// Values at the corners of leaves. An inner node has those at its own corners.
 template <class T>
-class CornerFiller : public TypedFiller<T>
+class CornersFiller : public TypedFiller<T>
+{
+public:
+  CornersFiller(const char* name, vtkIdType nodes, int type = vtkTypeTraits<T>::VTKTypeID())
+    : TypedFiller<T>(name, cornerCount, nodes, type)
+  {
+    markAsCorners(*this->array());
+  }
+  void setInner(vtkIdType node, vtkIdType firstChild, unsigned /*present*/) override
+  {
+    for (int c = 0; c < cornerCount; ++c)
+    {
+      this->tuple(node)[c] = this->tuple(firstChild + c)[c];
+    }
+  }
+};
+
+/// Of a payload, in the order of the grid's axes.
+template <class T>
+class PayloadCornersFiller : public CornersFiller<T>
 {
 public:
   /// lattice: kept by reference.
-  CornerFiller(const PayloadField& field, vtkIdType nodes, const TreeLattice& lattice)
-    : TypedFiller<T>(field.name.c_str(), 8, nodes)
+  PayloadCornersFiller(const PayloadField& field, vtkIdType nodes, const TreeLattice& lattice)
+    : CornersFiller<T>(field.name.c_str(), nodes)
     , field_(field)
     , lattice_(lattice)
   {
-    for (int c = 0; c < 8; ++c)
-    {
-      // As 100: the corner at the end of x and the beginning of y and z.
-      const std::string name{ char('0' + (c & 1)), char('0' + (c >> 1 & 1)), char('0' + (c >> 2)) };
-      this->array()->SetComponentName(c, name.c_str());
-    }
   }
   void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
   {
     const TreeOrientation& orientation = lattice_.orientation(leaf.tree);
-    for (int c = 0; c < 8; ++c)
+    for (int c = 0; c < cornerCount; ++c)
     {
       std::memcpy(this->tuple(node) + orientation[c],
         leaf.payload + field_.offset + field_.sums[c][0].index * sizeof(T), sizeof(T));
-    }
-  }
-  void setInner(vtkIdType node, vtkIdType firstChild, unsigned /*present*/) override
-  {
-    for (int c = 0; c < 8; ++c)
-    {
-      this->tuple(node)[c] = this->tuple(firstChild + c)[c];
     }
   }
 
@@ -243,9 +249,9 @@ inline std::unique_ptr<CellArrayFiller> makeCornerFiller(
 {
   if (field.type == PayloadType::Float32)
   {
-    return std::make_unique<CornerFiller<float>>(field, nodes, lattice);
+    return std::make_unique<PayloadCornersFiller<float>>(field, nodes, lattice);
   }
-  return std::make_unique<CornerFiller<double>>(field, nodes, lattice);
+  return std::make_unique<PayloadCornersFiller<double>>(field, nodes, lattice);
 }
 
 /// Of all others.

@@ -35,7 +35,8 @@ void buildGrid(const SortedCells<Keys, std::uint64_t>& cells, const BoxLattice& 
   ParallelGridBuilder<Keys> builder(cells);
   for (const BlockArray& array : arrays.arrays)
   {
-    builder.addArray(makeFiller(arrays, array, builder.nodeCount()));
+    builder.addArray(makeFiller(arrays, array, builder.nodeCount(),
+      { cells.size(), [&](std::size_t i) { return CellNumber(cells.value(i)); } }));
   }
   builder.build(grid);
 }

@@ -156,21 +156,40 @@ std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input)
   return blocks;
 }
 
-BlockArrays arraysOf(const std::vector<HexahedronBlock>& blocks)
+BlockArrays arraysOf(
+  const std::vector<HexahedronBlock>& blocks, std::function<bool(const std::string&)> isWanted)
 {
   std::vector<NamedDataSet> sets;
   for (const HexahedronBlock& block : blocks)
   {
     sets.push_back({ block.grid(), block.name() });
   }
-  return arraysOf(std::move(sets), [&blocks](const CellNumber& number) {
-    std::array<vtkIdType, 8> points;
+  const auto points = [&blocks](const CellNumber& number) {
+    std::array<vtkIdType, 8> ids;
     for (int corner = 0; corner < 8; ++corner)
     {
-      points[corner] = blocks[number.block()].point(number.cell(), corner);
+      ids[corner] = blocks[number.block()].point(number.cell(), corner);
     }
-    return points;
-  });
+    return ids;
+  };
+  // Hexahedra begin at any of their corners.
+  const auto corners = [&blocks, points](const CellNumber& number) {
+    const std::array<vtkIdType, 8> ids = points(number);
+    const CornerCoordinates at = blocks[number.block()].corners(number.cell());
+    const AxisBox box = boxAround(at);
+    std::array<vtkIdType, 8> byCorner{};
+    for (int i = 0; i < 8; ++i)
+    {
+      int corner = 0;
+      for (int a = 0; a < 3; ++a)
+      {
+        corner |= (at[a][i] - box.low[a] > box.width(a) / 2. ? 1 : 0) << a;
+      }
+      byCorner[corner] = ids[i];
+    }
+    return byCorner;
+  };
+  return arraysOf(std::move(sets), PointArrays{ points, corners, std::move(isWanted) });
 }
 
 } // namespace treeamr

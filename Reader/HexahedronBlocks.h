@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -123,7 +124,8 @@ inline CornerCoordinates HexahedronBlock::corners(vtkIdType cell) const noexcept
 /// Those of a vtkUnstructuredGrid or of all in a composite data set that have cells. Throws Error for data of other kinds.
 std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input);
 
-/// blocks must outlive them, and have cells.
-BlockArrays arraysOf(const std::vector<HexahedronBlock>& blocks);
+/// blocks must outlive them, and have cells. isWanted: of arrays of points, by name.
+BlockArrays arraysOf(
+  const std::vector<HexahedronBlock>& blocks, std::function<bool(const std::string&)> isWanted);
 
 } // namespace treeamr

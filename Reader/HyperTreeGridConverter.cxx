@@ -41,6 +41,10 @@ public:
   std::shared_ptr<const Field> acquireField(HyperTreeGridTopology& topology, const CellValues& values)
   {
     return acquire(fields_, topology, values, [&](const ContentDigest& octreeKey) {
+      if (values.isAtCorners())
+      {
+        return buildOfCorners(topology, octreeKey, values);
+      }
       Field field = build(topology, octreeKey, values);
       checkDigits(field, values);
       return values.array().GetDataType() == VTK_FLOAT ? std::move(field)
@@ -67,8 +71,7 @@ public:
     if (!octree)
     {
       tbb::this_task_arena::isolate([&] { // as below
-        const NoValues none;
-        octree = buildOctree(topology.rootGrid(), HyperTreeGridSource<NoValues>(topology, none)).octree;
+        octree = octreeOf(topology);
       });
       cached = octree;
     }
@@ -76,6 +79,9 @@ public:
   }
 
 private:
+  /// Floats tell of an offset what they have digits for, 24 of the 53 or 64 bits at a time.
+  static constexpr int offsetRounds = 3;
+
   template <class Made>
   using Entries = std::map<FieldKey, std::weak_ptr<const Made>>;
 
@@ -184,9 +190,7 @@ private:
         return field;
       }
     }
-    // Floats tell of the offset what they have digits for, 24 of the 53 or 64 bits at a time.
-    constexpr int rounds = 3;
-    for (int i = 0; i < rounds; ++i)
+    for (int i = 0; i < offsetRounds; ++i)
     {
       const Range range = field.range();
       const double offset = offsetFor(range.min, range.max, field.offset());
@@ -197,6 +201,45 @@ private:
       const std::shared_ptr<const Octree> octree = field.sharedOctree();
       const RelativeValues relative(values, offset);
       field = Field(octree, gatherLeafValues(*octree, HyperTreeGridSource(topology, relative)), offset);
+    }
+    return field;
+  }
+
+  static std::shared_ptr<const Octree> octreeOf(const HyperTreeGridTopology& topology)
+  {
+    const NoValues none;
+    return buildOctree(topology.rootGrid(), HyperTreeGridSource<NoValues>(topology, none)).octree;
+  }
+
+  Field buildOfCorners(
+    HyperTreeGridTopology& topology, const ContentDigest& octreeKey, const CellValues& values)
+  {
+    using Source = HyperTreeGridSource<CellValues>;
+    std::weak_ptr<const Octree>& cached = octrees_[octreeKey];
+    std::shared_ptr<const Octree> octree = cached.lock();
+    if (!octree)
+    {
+      octree = octreeOf(topology);
+      cached = octree;
+    }
+    const Source source(topology, values);
+    LargeVector<Source::Handle> leaves(octree->leafCount());
+    forEachLeaf(
+      *octree, source, [&](std::uint64_t leaf, const Source::Handle& handle) { leaves[leaf] = handle; });
+    const auto withOffset = [&](double offset) {
+      return Field::ofCorners(
+        octree, [&](std::uint64_t leaf) { return source.corners(leaves[leaf], offset); }, offset);
+    };
+    Field field = withOffset(0.);
+    checkDigits(field, values);
+    for (int i = 0; i < offsetRounds && values.array().GetDataType() != VTK_FLOAT; ++i)
+    {
+      const double offset = offsetFor(field.range().min, field.range().max, field.offset());
+      if (offset == field.offset())
+      {
+        break;
+      }
+      field = withOffset(offset);
     }
     return field;
   }

@@ -4,7 +4,8 @@
 // of the leaves below. Left out are cells that are masked or hidden (HIDDENCELL in vtkGhostType), and cells
 // whose value is not finite or beyond the range of float. Leaves marked DUPLICATECELL become ghosts. Values
 // are computed in double and stored as float, those of doubles and integers, where it takes that to keep their digits,
-// less an offset (Field/FieldOffset.h). It comes from the range of the values that are drawn, whatever is left out.
+// less an offset (Field/FieldOffset.h). It comes from the range of the values that are drawn, whatever is left out. Arrays
+// of values at corners (CornerArrays.h) become fields of these.
 #pragma once
 
 #include "vtkTreeAMRReaderModule.h" // for the export macro

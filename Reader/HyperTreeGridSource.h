@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ContentDigest.h"
+#include "CornerArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "HyperTreeGridTopology.h"
 
@@ -19,7 +20,7 @@
 namespace treeamr
 {
 
-/// A component or the magnitude of a cell array, by global index.
+/// A component or the magnitude of a cell array, by global index; of one of values at corners their mean.
 class CellValues
 {
 public:
@@ -29,12 +30,13 @@ public:
     array_ = &numericCellArray(grid, selection.name);
     const std::string name = "hyper tree grid: cell array '" + selection.name + "' ";
     componentCount_ = array_->GetNumberOfComponents();
+    isAtCorners_ = treeamr::isAtCorners(*array_);
     if (selection.component >= componentCount_)
     {
       throw Error(name + "has no component " + std::to_string(selection.component) + ", allowed are 0 to " +
         std::to_string(componentCount_ - 1) + " and negative for the magnitude");
     }
-    component_ = componentCount_ == 1 ? 0 : std::max(selection.component, -1);
+    component_ = isAtCorners_ ? -1 : componentCount_ == 1 ? 0 : std::max(selection.component, -1);
     if (array_->GetNumberOfTuples() < indexEnd)
     {
       throw Error(name + "has " + std::to_string(array_->GetNumberOfTuples()) + " tuples, the cells need " +
@@ -58,9 +60,16 @@ public:
   {
     if (component_ >= 0)
     {
-      const vtkIdType at = index * componentCount_ + component_;
-      // GetComponent(): other than GetTuple(i) it uses no buffer of the array.
-      return doubles_ ? doubles_[at] : floats_ ? floats_[at] : array_->GetComponent(index, component_);
+      return this->at(index, component_);
+    }
+    if (isAtCorners_)
+    {
+      double sum = 0.;
+      for (int c = 0; c < cornerCount; ++c)
+      {
+        sum += this->at(index, c) / cornerCount; // without an overflow
+      }
+      return sum;
     }
     double squares = 0.;
     for (int c = 0; c < componentCount_; ++c)
@@ -84,8 +93,17 @@ public:
   }
   bool isFinite(vtkIdType index) const
   {
-    return std::abs((*this)(index)) <= double(std::numeric_limits<float>::max());
+    constexpr double most = std::numeric_limits<float>::max();
+    bool areFinite = true;
+    for (int c = 0; c < cornerCount && isAtCorners_; ++c)
+    {
+      areFinite = areFinite && std::abs(this->at(index, c)) <= most;
+    }
+    return areFinite && std::abs((*this)(index)) <= most;
   }
+  bool isAtCorners() const noexcept { return isAtCorners_; }
+  /// At a corner of the grid's own axes.
+  double corner(vtkIdType index, int corner) const { return this->at(index, corner); }
 
   /// Of all values of the array and their type.
   ContentDigest digest() const
@@ -93,6 +111,7 @@ public:
     ContentDigest digest;
     digest.add(std::uint64_t(array_->GetDataType()));
     digest.add(std::uint64_t(componentCount_));
+    digest.add(std::uint64_t(isAtCorners_));
     const vtkIdType count = array_->GetNumberOfValues();
     if (array_->HasStandardMemoryLayout() && array_->GetDataType() != VTK_BIT)
     {
@@ -112,7 +131,7 @@ public:
   }
 
   vtkDataArray& array() const noexcept { return *array_; }
-  /// Negative: the magnitude.
+  /// Negative: the magnitude, or of values at corners the mean.
   int component() const noexcept { return component_; }
 
   /// The mean.
@@ -132,6 +151,12 @@ public:
   };
 
 private:
+  double at(vtkIdType index, int component) const
+  {
+    const vtkIdType place = index * componentCount_ + component;
+    // GetComponent(): other than GetTuple(i) it uses no buffer of the array.
+    return doubles_ ? doubles_[place] : floats_ ? floats_[place] : array_->GetComponent(index, component);
+  }
   bool hasLongIntegers() const
   {
     return array_->GetDataTypeSize() == sizeof(std::uint64_t) && array_->GetDataType() != VTK_DOUBLE;
@@ -161,6 +186,7 @@ private:
   const unsigned char* longs_ = nullptr; // of 64-bit integers
   int componentCount_ = 0;
   int component_ = 0;
+  bool isAtCorners_ = false;
 };
 
 /// The same less an offset. Keeps a reference to the values.
@@ -240,6 +266,27 @@ public:
     typename Values::Blend blend;
     addLeaves(tree, handle.vertex, handle.level, 1., blend);
     return static_cast<float>(blend.value());
+  }
+
+  /// Of a leaf, less an offset, of values at corners. At the depth limit those of the leaves in the corners, or the mean of
+  /// all where one of these is missing.
+  std::array<float, 8> corners(const Handle& handle, double offset) const
+  {
+    const HyperTreeView& tree = topology_.trees()[handle.tree];
+    std::array<float, 8> values;
+    for (int corner = 0; corner < cornerCount; ++corner)
+    {
+      vtkIdType vertex = handle.vertex;
+      for (unsigned int level = handle.level; topology_.exists(tree, vertex) && !tree.isLeaf(vertex); ++level)
+      {
+        topology_.checkDepth(level);
+        vertex = tree.child(vertex, corner);
+      }
+      values[corner] = topology_.exists(tree, vertex)
+        ? static_cast<float>(values_.corner(tree.globalIndex(vertex), corner ^ tree.turned) - offset)
+        : static_cast<float>(value(handle) - offset);
+    }
+    return values;
   }
 
   bool ghosts() const noexcept { return topology_.hasGhosts(); }

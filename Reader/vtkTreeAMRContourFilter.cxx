@@ -1,6 +1,7 @@
 // One surface after the other in the core, put together here.
 #include "vtkTreeAMRContourFilter.h"
 
+#include "CornerArrays.h"
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
@@ -188,11 +189,12 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count, const Warn& warn)
 {
   vtkDataArray* cells = input->GetCellData()->GetArray(name.c_str());
-  const int components = cells ? cells->GetNumberOfComponents() : 0;
+  const int components = cells ? treeamr::fieldComponents(*cells) : 0;
   const auto array = cells ? NewPointArray(cells, components, count) : nullptr;
   for (int c = 0; !cells || (c < components && count > 0); ++c)
   {
     const auto field = treeamr::acquireField(input, { name, c }); // throws without the array
+    warn(treeamr::unevenCorners(*cells, *field));
     warn(treeamr::narrowRange(*cells, *field));
     warn(treeamr::roundedIntegers(*cells, *field));
     for (const Surface& surface : surfaces)
@@ -333,6 +335,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
     NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
   const auto field = treeamr::acquireField(input, { contouredName, this->Component });
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
+  this->Warn(treeamr::unevenCorners(*contoured, *field));
   this->Warn(treeamr::narrowRange(*contoured, *field));
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;

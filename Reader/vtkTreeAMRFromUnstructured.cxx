@@ -15,6 +15,19 @@ vtkStandardNewMacro(vtkTreeAMRFromUnstructured);
 void vtkTreeAMRFromUnstructured::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+  this->PointDataArraySelection->PrintSelf(os, indent.GetNextIndent());
+  os << indent << "SelectionIsFinal: " << this->SelectionIsFinal << "\n";
+}
+
+vtkMTimeType vtkTreeAMRFromUnstructured::GetMTime()
+{
+  return std::max(this->Superclass::GetMTime(), this->PointDataArraySelection->GetMTime());
+}
+
+bool vtkTreeAMRFromUnstructured::IsWanted(const std::string& array)
+{
+  const bool all = !this->SelectionIsFinal && this->PointDataArraySelection->GetNumberOfArrays() == 0;
+  return all || this->PointDataArraySelection->ArrayIsEnabled(array.c_str());
 }
 
 const char* vtkTreeAMRFromUnstructured::GetInputKind() const
@@ -41,7 +54,8 @@ void vtkTreeAMRFromUnstructured::Convert(const std::vector<vtkDataObject*>& piec
   {
     return;
   }
-  const treeamr::BlockArrays arrays = treeamr::arraysOf(blocks);
+  const treeamr::BlockArrays arrays =
+    treeamr::arraysOf(blocks, [this](const std::string& array) { return this->IsWanted(array); });
   treeamr::makeGrid(blocks, arrays, output);
   this->WarnOfArrays(arrays);
 }

@@ -16,18 +16,25 @@
  * the first cell that is no box along the axes or fits not the lattice, with its bounds, and cells that overlap; the output is
  * empty then. Of no cells it is empty, too, without an error.
  *
- * Cell arrays keep type, name, components and values. Arrays of points that no cell array has the name of become cell
- * arrays of the means of a cell's eight points, as vtkPointDataToCellData makes them: a warning says so, once until that
- * changes. It also names arrays that not all blocks have alike, which are left out. A coarse cell has the mean of its
- * children in arrays of float and double, and the value of its first child in others.
+ * Cell arrays keep type, name, components and values. So do those arrays of points, of all or those that
+ * GetPointDataArraySelection() enables, that no cell array has the name of. Those of one component of float or double get
+ * eight, the values at the corners of each cell, in a cell array marked so (CornerArrays.h): what reads TreeAMR's grids
+ * interpolates between them. Where each cell has one value at all its points it is the cell's. Others become the means of a
+ * cell's eight points, as vtkPointDataToCellData makes them: a warning says so, once until that changes. It also names
+ * arrays that not all blocks have alike, which are left out. A coarse cell has the mean of its children in arrays of float
+ * and double, the values at its own corners in those of corners, and the value of its first child in others.
  *
  * In parallel the first process makes all of the grid: see vtkTreeAMRGridAlgorithm.
  */
 #ifndef vtkTreeAMRFromUnstructured_h
 #define vtkTreeAMRFromUnstructured_h
 
+#include "vtkDataArraySelection.h" // for PointDataArraySelection
+#include "vtkNew.h"                // for PointDataArraySelection
 #include "vtkTreeAMRGridAlgorithm.h"
 #include "vtkTreeAMRReaderModule.h"
+
+#include <string> // for std::string
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRFromUnstructured : public vtkTreeAMRGridAlgorithm
 {
@@ -35,6 +42,20 @@ public:
   static vtkTreeAMRFromUnstructured* New();
   vtkTypeMacro(vtkTreeAMRFromUnstructured, vtkTreeAMRGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// The arrays of points to take, by name. As long as it knows none, and is not final: all.
+  vtkDataArraySelection* GetPointDataArraySelection() { return this->PointDataArraySelection; }
+
+  ///@{
+  /**
+   * Whether a selection that knows no array means none. Off by default.
+   */
+  vtkSetMacro(SelectionIsFinal, bool);
+  vtkGetMacro(SelectionIsFinal, bool);
+  vtkBooleanMacro(SelectionIsFinal, bool);
+  ///@}
+
+  vtkMTimeType GetMTime() override;
 
 protected:
   vtkTreeAMRFromUnstructured() = default;
@@ -45,6 +66,11 @@ protected:
   void Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output) override;
 
 private:
+  bool IsWanted(const std::string& array);
+
+  vtkNew<vtkDataArraySelection> PointDataArraySelection;
+  bool SelectionIsFinal = false;
+
   vtkTreeAMRFromUnstructured(const vtkTreeAMRFromUnstructured&) = delete;
   void operator=(const vtkTreeAMRFromUnstructured&) = delete;
 };

@@ -1,6 +1,7 @@
 #include "vtkTreeAMRGridAlgorithm.h"
 
 #include "BlockArrays.h"
+#include "CornerArrays.h"
 #include "OnceReporter.h"
 
 #include "vtkDataObject.h"
@@ -129,6 +130,7 @@ int vtkTreeAMRGridAlgorithm::RequestData(
     {
       vtkNew<vtkHyperTreeGrid> grid;
       this->Convert({ pieces.begin(), pieces.end() }, grid);
+      treeamr::setCornerRanges(*grid);
       output->ShallowCopy(grid);
     }
   }

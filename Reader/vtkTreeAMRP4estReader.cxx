@@ -379,6 +379,7 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
     }
   });
   builder.finish();
+  treeamr::setCornerRanges(*grid);
 }
 
 int vtkTreeAMRP4estReader::ProcessTrees(vtkHyperTreeGrid*, vtkDataObject*)

@@ -1,6 +1,7 @@
 // One sampler per component, all points in parallel.
 #include "vtkTreeAMRProbeFilter.h"
 
+#include "CornerArrays.h"
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
@@ -120,11 +121,12 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
     auto field = treeamr::acquireField(source, { name, c });
     octrees.push_back(field->sharedOctree());
     vtkDataArray& cells = *source->GetCellData()->GetArray(name.c_str());
+    remarks.push_back(treeamr::unevenCorners(cells, *field));
     remarks.push_back(treeamr::narrowRange(cells, *field));
     remarks.push_back(treeamr::roundedIntegers(cells, *field));
     if (!result.Values)
     {
-      const int components = cells.GetNumberOfComponents();
+      const int components = treeamr::fieldComponents(cells);
       // Of bits not all can be written at once.
       const int type = cells.GetDataType() == VTK_BIT ? VTK_UNSIGNED_CHAR : cells.GetDataType();
       result.Values = NewArray(type, name, components, points);
@@ -426,7 +428,8 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
   {
     try
     {
-      if (vtkDataArray* array = copies ? source->GetCellData()->GetArray(name.c_str()) : nullptr)
+      vtkDataArray* array = source->GetCellData()->GetArray(name.c_str());
+      if (array && copies && !treeamr::isAtCorners(*array))
       {
         places = places.empty() ? FindCells(input, source) : std::move(places);
         results.push_back(CopyArray(array, places, this->ComputeGradients, valid));

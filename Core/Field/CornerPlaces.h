@@ -53,7 +53,19 @@ inline bool touchesCoarser(const TreePath& path, int depth, const CornerPlace& a
   return touches;
 }
 
-/// Calls f(vertex) for the corners of the next coarser level that a corner lies halfway between, and returns their number.
+/// Calls f(vertex) for those from `low` on that lie at both sides along each of some axes, a mask, and returns their number.
+template <class F>
+int forSides(int low, unsigned axes, const F& f)
+{
+  for (unsigned sides = axes; sides != 0; sides = (sides - 1) & axes)
+  {
+    f(low + cornerOffset(static_cast<int>(sides), familyStride));
+  }
+  f(low);
+  return 1 << std::popcount(axes);
+}
+
+/// The same for the corners of the next coarser level that a corner lies halfway between.
 template <class F>
 int forCoarserCorners(const TreePath& path, int depth, const CornerPlace& at, const F& f)
 {
@@ -66,12 +78,7 @@ int forCoarserCorners(const TreePath& path, int depth, const CornerPlace& at, co
     low += familyStride[a] * (twice >> 1);
     halfway |= static_cast<unsigned>(twice & 1) << a;
   }
-  for (unsigned sides = halfway; sides != 0; sides = (sides - 1) & halfway)
-  {
-    f(low + cornerOffset(static_cast<int>(sides), familyStride));
-  }
-  f(low);
-  return 1 << std::popcount(halfway);
+  return forSides(low, halfway, f);
 }
 
 } // namespace treeamr

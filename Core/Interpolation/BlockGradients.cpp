@@ -621,21 +621,15 @@ void GradientEvaluator::computeFromCorners(
         low += familyStride[a] * (at[a] / 2);
         halfway |= static_cast<unsigned>(at[a] & 1) << a;
       }
-      Vec3& gradient = gradients[bit + block::vertexStride[2] * z];
-      gradient = {};
-      for (unsigned sides = halfway;; sides = (sides - 1) & halfway)
-      {
-        const int vertex = low + cornerOffset(static_cast<int>(sides), familyStride);
+      Vec3 sum{};
+      const int count = forSides(low, halfway, [&](int vertex) {
         const Vec3 one = isOnlyLeaf ? corners_->inOnlyLeaf(vertex) : corners_->at(path_, vertex);
         for (int a = 0; a < 3; ++a)
         {
-          gradient[a] += one[a] / (1 << std::popcount(halfway));
+          sum[a] += one[a];
         }
-        if (sides == 0)
-        {
-          break;
-        }
-      }
+      });
+      gradients[bit + block::vertexStride[2] * z] = { sum[0] / count, sum[1] / count, sum[2] / count };
     }
   }
 }

@@ -23,9 +23,10 @@ void vtkSMTreeAMRFilterProxy::PrintSelf(ostream& os, vtkIndent indent)
 void vtkSMTreeAMRFilterProxy::SetPropertyModifiedFlag(const char* name, int flag)
 {
   // Defaults come before the objects are created.
-  if (flag && this->ObjectsCreated && std::string(name) == "CellDataArrays")
+  const std::string property = name;
+  if (flag && this->ObjectsCreated && (property == "CellDataArrays" || property == "PointDataArrays"))
   {
-    vtkSMPropertyHelper(this, "CellDataArraysChosen").Set(1);
+    vtkSMPropertyHelper(this, (property + "Chosen").c_str()).Set(1);
   }
   this->Superclass::SetPropertyModifiedFlag(name, flag);
 }

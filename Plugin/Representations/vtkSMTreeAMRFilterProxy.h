@@ -1,4 +1,4 @@
-// What the filters Tree AMR Probe and Tree AMR Contour share: an empty list of arrays that somebody has chosen means none,
+// What the filters that offer arrays of their input share: an empty list of arrays that somebody has chosen means none,
 // in saved states, too. Before that it means all: the input may not have told of its arrays yet.
 
 #ifndef vtkSMTreeAMRFilterProxy_h

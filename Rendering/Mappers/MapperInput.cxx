@@ -1,5 +1,6 @@
 #include "MapperInput.h"
 
+#include "CornerArrays.h"
 #include "Error.h"
 
 #include "vtkAbstractMapper.h"
@@ -132,8 +133,7 @@ bool isSameArray(vtkHyperTreeGrid* grid, const ArraySelection& a, const ArraySel
     return false;
   }
   vtkDataArray* array = grid->GetCellData()->GetArray(a.name.c_str());
-  return (array && array->GetNumberOfComponents() == 1) ||
-    std::max(a.component, -1) == std::max(b.component, -1);
+  return (array && fieldComponents(*array) == 1) || std::max(a.component, -1) == std::max(b.component, -1);
 }
 
 template <class Made>
@@ -164,7 +164,9 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
       else
       {
         made_ = acquireField(grid, selection);
-        remark_ = narrowRange(numericCellArray(*grid, selection.name), *made_);
+        vtkDataArray& array = numericCellArray(*grid, selection.name);
+        const Remark corners = unevenCorners(array, *made_);
+        remark_ = corners.text.empty() ? narrowRange(array, *made_) : corners;
       }
     }
     catch (const Error&)

@@ -2,6 +2,10 @@
 // program itself took of its functions over each cell, and as spoilt files.
 #include "vtkTreeAMRP4estReader.h"
 
+#include "CornerArrays.h"
+#include "Field/CornerValues.h"
+#include "Interpolation/Sampler.h"
+#include "Support/CornerFunction.h"
 #include "Support/ForestBytes.h"
 #include "Support/HyperTreeGrids.h"
 
@@ -11,6 +15,8 @@
 #include "vtkErrorCode.h"
 #include "vtkExecutive.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkInformation.h"
+#include "vtkInformationIntegerKey.h"
 #include "vtkNew.h"
 
 #include <gtest/gtest.h>
@@ -27,6 +33,7 @@
 #include <utility>
 #include <vector>
 
+using namespace treeamr;
 using namespace treeamr::test;
 
 namespace
@@ -239,6 +246,45 @@ TEST_F(DealIIReaderTest, ValuesAtCorners)
   this->expectError(
     data + "cube", "double a = FE_DGQ(0) corners; skip", "\"corners\", allowed corners for one component");
   this->expectError(data + "cube", "skip; double a, b = FE_Q_DG0(1) corners", "\"corners\", allowed corners");
+}
+
+// Finite elements are constrained where cells of two levels meet; the program interpolated without that.
+TEST_F(DealIIReaderTest, ValuesAtCornersAreInterpolated)
+{
+  const auto wave = [](double x, double y, double z, double phase) {
+    return std::sin(2. * x - 3. * y + z + phase) + x * x * y * z - 0.25 * z;
+  };
+  this->setBoxes({ -1., -1., -1. }, { 2., 2., 2. });
+  vtkHyperTreeGrid* const grid = this->read(data + "cube", "skip; double before, now = FE_Q(1) corners");
+  ASSERT_TRUE(errors_.empty()) << errors_[0];
+  EXPECT_TRUE(grid->GetCellData()->GetArray("now")->GetInformation()->Has(cornerValuesKey()));
+  const auto field = acquireField(grid, { "now" });
+  ASSERT_TRUE(field->corners());
+  std::vector<LeafCell> cells;
+  for (const CellId& leaf : leavesOf(field->octree()))
+  {
+    cells.push_back({ leaf, 0.f });
+  }
+  ASSERT_EQ(cells.size(), 120u);
+  const CornerFunction expected(cells, [&](const std::array<double, 3>& p) {
+    return wave(2. * p[0] - 1., 2. * p[1] - 1., 2. * p[2] - 1., 2.1);
+  });
+  const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+  const double range = static_cast<double>(field->range().max) - field->range().min;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0.001, 0.999);
+  for (int i = 0; i < 10000; ++i)
+  {
+    const CellId& cell = cells[random() % cells.size()].cell;
+    std::array<double, 3> place;
+    for (int a = 0; a < 3; ++a)
+    {
+      place[a] = std::ldexp(static_cast<double>(cell.index[a]) + uniform(random), -cell.level);
+    }
+    FieldSample sample;
+    ASSERT_TRUE(sampler->sample({ 2. * place[0] - 1., 2. * place[1] - 1., 2. * place[2] - 1. }, sample));
+    ASSERT_NEAR(sample.value, expected.value(cell, place), 1e-6 * range);
+  }
 }
 
 // A system without names of its own, in other words; what is skipped.

@@ -2,6 +2,10 @@
 #include "vtkTreeAMRFromUnstructured.h"
 #include "vtkTreeAMRP4estReader.h"
 
+#include "CornerArrays.h"
+#include "Field/CornerValues.h"
+#include "Interpolation/Sampler.h"
+#include "Support/CornerFunction.h"
 #include "Support/GridMakers.h"
 #include "Support/Hexahedra.h"
 #include "Support/HyperTreeGrids.h"
@@ -15,6 +19,7 @@
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkHyperTreeGridNonOrientedCursor.h"
 #include "vtkIdTypeArray.h"
@@ -540,7 +545,7 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
 
   const MadeGrid result = convert(input);
   ASSERT_EQ(result.warnings.size(), 1u);
-  expectIn(result.warnings[0], "averaged to the cells: x, points10, points6, points3.");
+  expectIn(result.warnings[0], "averaged to the cells: points10, points6, points3.");
   vtkNew<vtkPointDataToCellData> averages;
   input->GetPointData()->RemoveArray("number");
   averages->SetInputData(input);
@@ -550,7 +555,7 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
   forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
     const auto cell =
       static_cast<vtkIdType>(result.grid->GetCellData()->GetArray("number")->GetComponent(id, 0));
-    for (const char* name : { "x", "points10", "points6", "points3" })
+    for (const char* name : { "points10", "points6", "points3" })
     {
       vtkDataArray* const array = result.grid->GetCellData()->GetArray(name);
       EXPECT_EQ(array->GetDataType(), expected->GetArray(name)->GetDataType());
@@ -568,13 +573,147 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
   EXPECT_STREQ(convert(pointsOnly).grid->GetCellData()->GetScalars()->GetName(), "points10");
 }
 
+TEST(FromUnstructured, PointsAreCorners)
+{
+  int jumps = 0;
+  for (const RandomTree& tree : { RandomTree{ 3, { 2, 1, 1 }, 5, 0.5, 0., false },
+         RandomTree{ 4, { 1, 2, 2 }, 5, 0.6, 0.3, false }, RandomTree{ 5, { 2, 2, 1 }, 4, 0.7, 0., true } })
+  {
+    const std::vector<LeafCell> leaves = makeRandomTree(tree);
+    std::vector<CellId> cells;
+    for (const LeafCell& leaf : leaves)
+    {
+      cells.push_back(leaf.cell);
+    }
+    const CornerFunction function(leaves, tree.seed);
+    for (const int variant : { 0, 1, 2 })
+    {
+      SCOPED_TRACE(variant);
+      HexahedronExport options;
+      options.origin = { -3., 0.5, 10. };
+      options.rootSize = { 0.3, 1., 2. };
+      options.seed = 1 + variant;
+      options.sharedPoints = variant == 1;
+      options.voxels = variant == 2;
+      const auto input = makeHexahedra(cells, options);
+      vtkDataArray* const number = input->GetCellData()->GetArray("number");
+      vtkNew<vtkDoubleArray> q;
+      q->SetName("q");
+      q->SetNumberOfValues(input->GetNumberOfPoints());
+      vtkNew<vtkFloatArray> level; // a value a cell, as deal.II leaves it
+      level->SetName("level");
+      level->SetNumberOfValues(input->GetNumberOfPoints());
+      for (vtkIdType i = 0; i < input->GetNumberOfCells(); ++i)
+      {
+        const CellId& cell = cells[static_cast<std::size_t>(number->GetComponent(i, 0))];
+        const std::array<double, 8> corners = function.corners(cell);
+        for (int p = 0; p < 8; ++p)
+        {
+          const vtkIdType point = input->GetCell(i)->GetPointId(p);
+          std::array<double, 3> at;
+          input->GetPoint(point, at.data());
+          int corner = 0;
+          for (int a = 0; a < 3; ++a)
+          {
+            const double place = std::ldexp((at[a] - options.origin[a]) / options.rootSize[a], cell.level);
+            corner |= (place - static_cast<double>(cell.index[a]) > 0.5) << a;
+          }
+          q->SetValue(point, corners[corner]);
+          level->SetValue(point, static_cast<float>(cell.level));
+        }
+        for (int corner = 0; corner < 8; ++corner)
+        {
+          jumps = std::max(jumps, function.jumpAt(cell, corner));
+        }
+      }
+      input->GetPointData()->AddArray(q);
+      if (!options.sharedPoints)
+      {
+        input->GetPointData()->AddArray(level);
+      }
+      const MadeGrid result = convert(input);
+      EXPECT_TRUE(result.warnings.empty()) << result.warnings[0];
+      vtkCellData* const data = result.grid->GetCellData();
+      ASSERT_TRUE(isAtCorners(*data->GetArray("q")));
+      EXPECT_EQ(data->GetArray("q")->GetDataType(), VTK_DOUBLE);
+      const auto field = acquireField(result.grid, { "q" });
+      ASSERT_TRUE(field->corners());
+      std::array<double, 2> range; // that ParaView colours by
+      data->GetArray("q")->GetFiniteRange(range.data(), -1);
+      EXPECT_EQ(static_cast<float>(range[0]), field->range().min);
+      EXPECT_EQ(static_cast<float>(range[1]), field->range().max);
+      const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+      std::mt19937 random(variant);
+      std::uniform_real_distribution<double> uniform(0.001, 0.999);
+      for (int i = 0; i < 10000; ++i)
+      {
+        const CellId& cell = cells[random() % cells.size()];
+        std::array<double, 3> inRoots;
+        std::array<double, 3> world;
+        for (int a = 0; a < 3; ++a)
+        {
+          inRoots[a] = std::ldexp(static_cast<double>(cell.index[a]) + uniform(random), -cell.level);
+          world[a] = options.origin[a] + options.rootSize[a] * inRoots[a];
+        }
+        FieldSample sample;
+        ASSERT_TRUE(sampler->sample(world, sample));
+        ASSERT_NEAR(sample.value, function.value(cell, inRoots), 2e-6); // 1e-6 of the range
+      }
+      if (!options.sharedPoints)
+      {
+        ASSERT_EQ(data->GetArray("level")->GetNumberOfComponents(), 1);
+        EXPECT_EQ(data->GetArray("level")->GetDataType(), VTK_FLOAT);
+        forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
+          const auto cell = static_cast<std::size_t>(data->GetArray("number")->GetComponent(id, 0));
+          EXPECT_EQ(data->GetArray("level")->GetComponent(id, 0), cells[cell].level);
+        });
+      }
+      // A coarse cell has the values at its own corners, of what is there.
+      vtkDataArray* const array = data->GetArray("q");
+      for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
+      {
+        ASSERT_LE(std::abs(array->GetComponent(i / 8, static_cast<int>(i % 8))), 1.);
+      }
+    }
+  }
+  EXPECT_GE(jumps, 4);
+}
+
+TEST(FromUnstructured, PointArraysAreChosen)
+{
+  vtkNew<vtkTreeAMRFromUnstructured> filter;
+  const auto input = makeHexahedra(nineCells(), {});
+  filter->SetInputDataObject(input);
+  const auto hasX = [&] {
+    filter->Update();
+    return vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetCellData()->HasArray("x") != 0;
+  };
+  EXPECT_TRUE(hasX());
+  filter->GetPointDataArraySelection()->DisableArray("x");
+  filter->GetPointDataArraySelection()->EnableArray("other");
+  EXPECT_FALSE(hasX());
+  filter->GetPointDataArraySelection()->EnableArray("x");
+  EXPECT_TRUE(hasX());
+  filter->GetPointDataArraySelection()->RemoveAllArrays();
+  filter->SelectionIsFinalOn();
+  EXPECT_FALSE(hasX());
+  EXPECT_TRUE(
+    vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetCellData()->HasArray("number"));
+}
+
 TEST(FromUnstructured, MessagesComeOnce)
 {
   vtkNew<vtkTreeAMRFromUnstructured> filter;
   const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
   for (int i = 0; i < 3; ++i)
   {
-    filter->SetInputDataObject(makeHexahedra(nineCells(), {}));
+    const auto input = makeHexahedra(nineCells(), {});
+    vtkNew<vtkIntArray> number;
+    number->SetName("averaged");
+    number->SetNumberOfValues(input->GetNumberOfPoints());
+    number->Fill(1);
+    input->GetPointData()->AddArray(number);
+    filter->SetInputDataObject(input);
     filter->Update();
   }
   EXPECT_EQ(warnings.messages().size(), 1u);

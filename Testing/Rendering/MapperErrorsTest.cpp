@@ -1,8 +1,10 @@
 // What a mapper cannot draw: one message, an untouched image, no crash, and the next good input is drawn.
+#include "CornerArrays.h"
 #include "RenderingScene.h"
 
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
+#include "vtkDoubleArray.h"
 #include "vtkPlane.h"
 
 #include <cmath>
@@ -378,6 +380,51 @@ TEST_F(MapperErrorsTest, rangesThatDoublesDoNotTellApartWarn)
   {
     EXPECT_TRUE(messages->errors.empty());
     EXPECT_NE(messages->warnings[0].find("'x' differ by 1 at most"), std::string::npos)
+      << messages->warnings[0];
+  }
+  volumeMapper_->RemoveAllObservers();
+  surfaceMapper_->RemoveAllObservers();
+}
+
+TEST_F(MapperErrorsTest, cornersThatDisagreeAreSaidOnce)
+{
+  MessageCounter volumeMessages(volumeMapper_);
+  MessageCounter surfaceMessages(surfaceMapper_);
+  volume_->VisibilityOn();
+  surface_->VisibilityOn();
+  volumeMapper_->SelectScalarArray("corners");
+  surfaceMapper_->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "corners");
+  surfaceMapper_->SetValue(0, 3.5);
+  for (const bool disagree : { false, true })
+  {
+    const auto grid = makeGrid({}, { { "x", [](const Point&) { return 0.; } } });
+    vtkNew<vtkDoubleArray> corners;
+    corners->SetName("corners");
+    treeamr::markAsCorners(*corners);
+    corners->SetNumberOfTuples(8); // roots in the order of corners
+    for (int i = 0; i < 64; ++i)
+    {
+      const int root = i / 8;
+      const int corner = i % 8;
+      const double x = (root & 1) + (corner & 1);
+      corners->SetValue(i, disagree ? root : 3. * x);
+    }
+    grid->GetCellData()->AddArray(corners);
+    volumeMapper_->SetInputData(grid);
+    surfaceMapper_->SetInputData(grid);
+    for (int frame = 0; frame < 3; ++frame)
+    {
+      volumeMapper_->SetSamplesPerCell(2. + frame);
+      scene_.render();
+      ASSERT_EQ(volumeMessages.warnings.size(), disagree ? 1u : 0u);
+      ASSERT_EQ(surfaceMessages.warnings.size(), disagree ? 1u : 0u);
+    }
+  }
+  for (const MessageCounter* messages : { &volumeMessages, &surfaceMessages })
+  {
+    EXPECT_TRUE(messages->errors.empty());
+    EXPECT_NE(messages->warnings[0].find("'corners' at corners that cells share differ by up to 7"),
+      std::string::npos)
       << messages->warnings[0];
   }
   volumeMapper_->RemoveAllObservers();
