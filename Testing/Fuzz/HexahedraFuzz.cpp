@@ -5,9 +5,11 @@
 #include "vtkTreeAMRFromUnstructured.h"
 
 #include "vtkCellData.h"
+#include "vtkDoubleArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -58,6 +60,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   vtkNew<vtkUnstructuredGrid> grid;
   vtkNew<vtkIntArray> numbers;
   numbers->SetName("number");
+  vtkNew<vtkDoubleArray> xs; // at points
+  xs->SetName("x");
   const double scale = options & Huge ? 1e30 : 1.;
   const double offset = options & Far ? 1e6 : 0.;
   while (bytes.size >= 8)
@@ -83,16 +87,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       p[axis] = strayed(p[axis], corner == static_cast<int>(off % 8) ? kind / 16 : 0, off, width);
       const int place = options & Voxels || (corner & 2) == 0 ? corner : corner ^ 1;
       ids[place] = points->InsertNextPoint(p);
+      xs->InsertNextValue(p[0]);
     }
     grid->InsertNextCell(options & Voxels ? VTK_VOXEL : VTK_HEXAHEDRON, 8, ids);
     numbers->InsertNextValue(static_cast<int>(numbers->GetNumberOfTuples()));
   }
   grid->SetPoints(points);
   grid->GetCellData()->AddArray(numbers);
+  grid->GetPointData()->AddArray(xs);
   vtkNew<vtkTreeAMRFromUnstructured> filter;
   filter->SetInputData(grid);
   filter->Update();
   vtkHyperTreeGrid* const output = vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0));
   fuzz::require(output->GetNumberOfLeaves() == 0 || numbers->GetNumberOfTuples() > 0, "no grid of nothing");
+  fuzz::require(
+    output->GetNumberOfLeaves() == 0 || output->GetCellData()->HasArray("x"), "points' arrays become cells'");
   return 0;
 }
