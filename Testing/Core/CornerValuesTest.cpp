@@ -530,6 +530,49 @@ TEST(CornerValues, NoAimedRaySlipsThroughTheirSurfaces)
   EXPECT_GT(rays, 300000u);
 }
 
+TEST(CornerValues, SurfacesPassHangingCornersBetweenTheirRoundedValues)
+{
+  // A hanging corner is rounded to float, and the larger leaf beside it interpolates in double: a ray through it, on which
+  // the function falls all the way, meets the isovalue between the two on neither side.
+  std::vector<LeafCell> cells{ { {}, 0.f } };
+  for (int o = 0; o < 8; ++o)
+  {
+    cells.push_back({ { indexOfChild({ 1, 0, 0 }, o), 1 }, 0.f });
+  }
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> uniform(0.f, 1.f);
+  int rays = 0;
+  for (int i = 0; i < 100; ++i)
+  {
+    const std::array<double, 4> face{ uniform(random), uniform(random), uniform(random), uniform(random) };
+    const double whole = (face[0] + face[1] + face[2] + face[3]) / 4.;
+    const auto rounded = static_cast<double>(static_cast<float>(whole));
+    if (rounded == whole)
+    {
+      continue;
+    }
+    ++rays;
+    const double slope = rounded < whole ? -1. : 1.;
+    const CornerFunction function(cells, [&](const Vec3& p) {
+      return slope * (p[0] - 1.) +
+        std::lerp(std::lerp(face[0], face[1], p[1]), std::lerp(face[2], face[3], p[1]), p[2]);
+    });
+    const double isovalue = 0.5 * (whole + rounded);
+    const Isosurface surface(function.field(unitRoots({ 2, 1, 1 })), { isovalue });
+    for (const double direction : { 1., -1. })
+    {
+      const Ray ray{ { 1. - 3. * direction, 0.5, 0.5 }, { direction, 0., 0. } };
+      SurfaceHit hit;
+      ASSERT_TRUE(surface.intersect(ray, 0., 9., hit)) << i;
+      EXPECT_NEAR(hit.t, 3., 1e-6);
+      std::vector<SurfaceHit> all;
+      surface.intersectAll(ray, 0., 9., all);
+      EXPECT_EQ(all.size(), 1u);
+    }
+  }
+  EXPECT_GT(rays, 30);
+}
+
 TEST(CornerValues, VolumesAreThoseOfExtendedPrecision)
 {
   constexpr int width = 40;
