@@ -378,11 +378,11 @@ const AMRBlock* makeGrid(
   const std::vector<AMRBlock>& blocks, const BlockArrays& arrays, vtkHyperTreeGrid* grid)
 {
   AMRConverter converter(blocks);
-  withKeys(converter.lattice(), [&]<class Keys>() {
+  withKeys(paddingOf(converter.lattice()) + converter.lattice().deepest(), [&]<class Keys>() {
     const SortedCells<Keys, std::uint64_t> cells = converter.sortCells<Keys>();
     if (cells.size() > 0)
     {
-      buildGrid(cells, converter.lattice(), arrays, grid);
+      buildGrid(cells, converter.lattice().planes(), arrays, grid);
     }
   });
   return converter.divided();

@@ -5,9 +5,12 @@
 
 #include "vtkAbstractArray.h"
 #include "vtkCellData.h"
+#include "vtkCompositeDataIterator.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkInformation.h"
 #include "vtkPointData.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -18,6 +21,7 @@
 #include <functional>
 #include <mutex>
 #include <type_traits>
+#include <utility>
 
 namespace treeamr
 {
@@ -27,8 +31,7 @@ namespace
 
 vtkDataSetAttributes* attributesOf(const NamedDataSet& block, bool ofPoints)
 {
-  return ofPoints ? static_cast<vtkDataSetAttributes*>(block.data->GetPointData())
-                  : block.data->GetCellData();
+  return ofPoints ? static_cast<vtkDataSetAttributes*>(block.points) : block.cells;
 }
 
 vtkAbstractArray* arrayOf(const NamedDataSet& block, const BlockArray& array)
@@ -252,7 +255,7 @@ void addArrays(bool ofPoints, BlockArrays& result)
   for (const NamedDataSet& block : blocks)
   {
     vtkDataSetAttributes* const attributes = attributesOf(block, ofPoints);
-    for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
+    for (int i = 0; attributes && i < attributes->GetNumberOfArrays(); ++i)
     {
       vtkAbstractArray* const array = attributes->GetAbstractArray(i);
       const std::string name = array->GetName() ? array->GetName() : "";
@@ -284,7 +287,7 @@ void addArrays(bool ofPoints, BlockArrays& result)
         {
           objection = (same ? "is of another type in " : "is not in ") + other.name;
         }
-        const vtkIdType needed = ofPoints ? other.data->GetNumberOfPoints() : other.data->GetNumberOfCells();
+        const vtkIdType needed = ofPoints ? other.pointCount : other.cellCount;
         if (same && same->GetNumberOfTuples() < needed)
         {
           throw Error(prefixOf(other) + kind + " array '" + name + "' has " +
@@ -313,6 +316,32 @@ void addArrays(bool ofPoints, BlockArrays& result)
 
 } // namespace
 
+std::string nameOfBlock(vtkCompositeDataIterator& block)
+{
+  std::string name = "block " + std::to_string(block.GetCurrentFlatIndex());
+  if (block.HasCurrentMetaData() && block.GetCurrentMetaData()->Has(vtkCompositeDataSet::NAME()))
+  {
+    name += " '" + std::string(block.GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME())) + "'";
+  }
+  return name;
+}
+
+NamedDataSet::NamedDataSet(vtkDataSet* data, std::string name)
+  : cells(data->GetCellData())
+  , cellCount(data->GetNumberOfCells())
+  , points(data->GetPointData())
+  , pointCount(data->GetNumberOfPoints())
+  , name(std::move(name))
+{
+}
+
+NamedDataSet::NamedDataSet(vtkCellData* cells, vtkIdType cellCount, std::string name)
+  : cells(cells)
+  , cellCount(cellCount)
+  , name(std::move(name))
+{
+}
+
 BlockArrays arraysOf(std::vector<NamedDataSet> blocks, PointArrays points)
 {
   BlockArrays result{ std::move(blocks), std::move(points), {}, {}, {} };
@@ -321,7 +350,8 @@ BlockArrays arraysOf(std::vector<NamedDataSet> blocks, PointArrays points)
   addArrays(true, result);
   for (const bool ofPoints : { true, false }) // those of cells come before
   {
-    vtkDataArray* const scalars = attributesOf(result.blocks.front(), ofPoints)->GetScalars();
+    vtkDataSetAttributes* const attributes = attributesOf(result.blocks.front(), ofPoints);
+    vtkDataArray* const scalars = attributes ? attributes->GetScalars() : nullptr;
     const auto found = std::ranges::find_if(result.arrays, [&](const BlockArray& array) {
       return scalars && scalars->GetName() && array.name == scalars->GetName() && array.ofPoints == ofPoints;
     });
@@ -354,14 +384,14 @@ std::unique_ptr<CellArrayFiller> makeFiller(
 
 const unsigned char* cellGhosts(const NamedDataSet& block)
 {
-  vtkUnsignedCharArray* const ghosts = block.data->GetCellGhostArray();
-  const vtkIdType cells = block.data->GetNumberOfCells();
-  if (ghosts && ghosts->GetNumberOfTuples() < cells)
+  auto* const ghosts =
+    vtkUnsignedCharArray::SafeDownCast(block.cells->GetArray(vtkDataSetAttributes::GhostArrayName()));
+  if (ghosts && ghosts->GetNumberOfTuples() < block.cellCount)
   {
     throw Error(prefixOf(block) + "vtkGhostType has " + std::to_string(ghosts->GetNumberOfTuples()) +
-      " tuples, allowed are " + std::to_string(cells) + ", one a cell");
+      " tuples, allowed are " + std::to_string(block.cellCount) + ", one a cell");
   }
-  return ghosts && cells > 0 ? ghosts->GetPointer(0) : nullptr;
+  return ghosts && block.cellCount > 0 ? ghosts->GetPointer(0) : nullptr;
 }
 
 } // namespace treeamr

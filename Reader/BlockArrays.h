@@ -11,17 +11,30 @@
 #include <string>
 #include <vector>
 
+class vtkCellData;
+class vtkCompositeDataIterator;
 class vtkDataSet;
+class vtkPointData;
 
 namespace treeamr
 {
 
-/// name: for messages, empty when there is no other.
+/// The arrays of one. name: for messages, empty when there is no other.
 struct NamedDataSet
 {
-  vtkDataSet* data;
+  NamedDataSet(vtkDataSet* data, std::string name);
+  /// Of data without points.
+  NamedDataSet(vtkCellData* cells, vtkIdType cellCount, std::string name);
+
+  vtkCellData* cells;
+  vtkIdType cellCount;
+  vtkPointData* points = nullptr;
+  vtkIdType pointCount = 0;
   std::string name;
 };
+
+/// By its number, and its name where it has one.
+std::string nameOfBlock(vtkCompositeDataIterator& block);
 
 /// The points of a cell, called from several threads.
 using CellPoints = std::function<std::array<vtkIdType, 8>(const CellNumber&)>;

@@ -16,22 +16,22 @@ inline int paddingOf(const BoxLattice& lattice)
   return RootGrid(lattice.planes()).paddingDepth();
 }
 
-/// Calls body.operator()<Keys>() with the shortest keys that the lattice's cells have room in.
+/// Calls body.operator()<Keys>() with the shortest keys that cells have room in. deepest: below the padded root.
 template <class Body>
-auto withKeys(const BoxLattice& lattice, const Body& body)
+auto withKeys(int deepest, const Body& body)
 {
   using ShortKeys = MortonKeys<std::uint64_t>;
-  return paddingOf(lattice) + lattice.deepest() <= ShortKeys::maxDepth
+  return deepest <= ShortKeys::maxDepth
     ? body.template operator()<ShortKeys>()
     : body.template operator()<MortonKeys<WideKey>>();
 }
 
-/// cells: with their CellNumbers, disjoint, sorted. grid: an empty one.
+/// cells: with their CellNumbers, disjoint, sorted. planes: between roots, per axis. grid: an empty one.
 template <class Keys>
-void buildGrid(const SortedCells<Keys, std::uint64_t>& cells, const BoxLattice& lattice,
-  const BlockArrays& arrays, vtkHyperTreeGrid* grid)
+void buildGrid(const SortedCells<Keys, std::uint64_t>& cells,
+  const std::array<std::vector<double>, 3>& planes, const BlockArrays& arrays, vtkHyperTreeGrid* grid)
 {
-  setLattice(grid, lattice.planes());
+  setLattice(grid, planes);
   ParallelGridBuilder<Keys> builder(cells);
   for (const BlockArray& array : arrays.arrays)
   {

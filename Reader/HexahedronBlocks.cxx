@@ -146,12 +146,7 @@ std::vector<HexahedronBlock> hexahedronBlocks(vtkDataObject* input)
   const auto leaves = vtk::TakeSmartPointer(composite->NewIterator());
   for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
   {
-    std::string name = "block " + std::to_string(leaves->GetCurrentFlatIndex());
-    if (leaves->HasCurrentMetaData() && leaves->GetCurrentMetaData()->Has(vtkCompositeDataSet::NAME()))
-    {
-      name += " '" + std::string(leaves->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME())) + "'";
-    }
-    add(leaves->GetCurrentDataObject(), name);
+    add(leaves->GetCurrentDataObject(), nameOfBlock(*leaves));
   }
   return blocks;
 }

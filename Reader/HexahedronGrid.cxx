@@ -377,11 +377,11 @@ void makeGrid(const std::vector<HexahedronBlock>& blocks, const BlockArrays& arr
     return;
   }
   const auto buildOn = [&](const BoxLattice& lattice) { // false when cells do not fit
-    return withKeys(lattice, [&]<class Keys>() {
+    return withKeys(paddingOf(lattice) + lattice.deepest(), [&]<class Keys>() {
       const auto cells = converter.sortCells<Keys>(lattice);
       if (cells)
       {
-        buildGrid(*cells, lattice, arrays, grid);
+        buildGrid(*cells, lattice.planes(), arrays, grid);
       }
       return cells.has_value();
     });

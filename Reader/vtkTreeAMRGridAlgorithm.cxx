@@ -103,7 +103,7 @@ int vtkTreeAMRGridAlgorithm::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   vtkInformation* const inInfo = inputVector[0]->GetInformationObject(0);
-  if (!ControllerOf(outputVector->GetInformationObject(0)))
+  if (this->GathersPieces() && !ControllerOf(outputVector->GetInformationObject(0)))
   {
     inInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), 0);
     inInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), 1);
@@ -123,10 +123,10 @@ int vtkTreeAMRGridAlgorithm::RequestData(
   output->Initialize();
   try
   {
-    vtkMultiProcessController* const controller = ControllerOf(outInfo);
+    vtkMultiProcessController* const controller = this->GathersPieces() ? ControllerOf(outInfo) : nullptr;
     const std::vector<vtkSmartPointer<vtkDataObject>> pieces =
       controller ? Gathered(controller, input) : std::vector<vtkSmartPointer<vtkDataObject>>{ input };
-    if (PieceOf(outInfo) == 0)
+    if (!this->GathersPieces() || PieceOf(outInfo) == 0)
     {
       vtkNew<vtkHyperTreeGrid> grid;
       this->Convert({ pieces.begin(), pieces.end() }, grid);

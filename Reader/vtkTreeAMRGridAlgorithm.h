@@ -3,7 +3,7 @@
  * @brief   what filters that make one vtkHyperTreeGrid of data of another kind have in common
  *
  * In parallel the first process gets the pieces of all others and makes all of the grid; those of the others are empty. All
- * processes must update it then, as ParaView's do.
+ * processes must update it then, as ParaView's do. Data that cannot be sent (GathersPieces()) stay where they are.
  *
  * What is wrong with the input is one error, and the output is empty then. Warnings come once until they go away.
  */
@@ -35,6 +35,7 @@ protected:
 
   /// For messages.
   virtual const char* GetInputKind() const = 0;
+  virtual bool GathersPieces() const { return true; }
   /// pieces: of the input, one or more, that of the first process first. output: an empty grid. Throws std::exception.
   virtual void Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output) = 0;
 

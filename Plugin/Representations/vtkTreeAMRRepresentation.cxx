@@ -16,7 +16,9 @@
 #include "vtkProp3D.h"
 #include "vtkRenderer.h"
 
+#include "Error.h"
 #include "HyperTreeGridConverter.h"
+#include "MergedGrid.h"
 
 #include <exception>
 #include <vector>
@@ -107,26 +109,53 @@ int vtkTreeAMRRepresentation::RequestData(
   {
     vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
     const std::vector<Block> grids = findGrids(input);
-    if (grids.size() == 1)
+    try
     {
-      this->Grid->ShallowCopy(grids[0].Grid);
-      this->GridFlatIndex = grids[0].FlatIndex;
-      try
+      if (grids.size() == 1)
       {
-        treeamr::computeLocalBounds(this->Grid, this->LocalBounds);
+        this->Grid->ShallowCopy(grids[0].Grid);
+        this->GridFlatIndex = grids[0].FlatIndex;
       }
-      catch (const std::exception& e)
+      else if (grids.size() > 1)
       {
-        vtkErrorMacro(<< e.what());
+        this->MergeGrids(input);
       }
+      treeamr::computeLocalBounds(this->Grid, this->LocalBounds);
     }
-    else if (grids.size() > 1)
+    catch (const std::exception& e)
     {
-      vtkErrorMacro("The " << input->GetClassName() << " holds " << grids.size()
-                           << " hyper tree grids; allowed is one on each rank. Extract one block first.");
+      this->Grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
+      vtkErrorMacro(<< e.what());
     }
   }
   return this->Superclass::RequestData(request, inputVector, outputVector);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::MergeGrids(vtkDataObject* input)
+{
+  const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
+  std::vector<std::string> leftOut;
+  try
+  {
+    leftOut = grids.empty() ? leftOut : treeamr::mergeGrids(grids, this->Grid);
+  }
+  catch (const std::exception& e)
+  {
+    throw treeamr::Error("The " + std::string(input->GetClassName()) + " holds " + std::to_string(grids.size()) +
+      " hyper tree grids that cannot be drawn as one: " + e.what() + ". Extract one block first.");
+  }
+  this->GridFlatIndex = 0;
+  std::string text;
+  for (const std::string& array : leftOut)
+  {
+    text += (text.empty() ? "" : ", ") + array;
+  }
+  if (!text.empty() && text != this->LastLeftOut)
+  {
+    vtkWarningMacro("The " << input->GetClassName() << " is drawn as one grid without arrays that not all have: " << text);
+  }
+  this->LastLeftOut = text;
 }
 
 //------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 // prop.
 //
 // ParaView cannot move a hyper tree grid between ranks, so each rank renders what it holds and the images are
-// composited. The input may be composite when it holds one grid.
+// composited. Those of a composite input are drawn as one where they lie on one lattice (MergedGrid.h).
 
 #ifndef vtkTreeAMRRepresentation_h
 #define vtkTreeAMRRepresentation_h
@@ -69,14 +69,18 @@ protected:
 
   /// A shallow copy of this rank's grid; without trees where this rank has none.
   vtkSmartPointer<vtkHyperTreeGrid> Grid;
-  /// Of its block in a composite input.
+  /// Of its block in a composite input; 0: it is made of several.
   unsigned int GridFlatIndex = 1;
 
 private:
   vtkTreeAMRRepresentation(const vtkTreeAMRRepresentation&) = delete;
   void operator=(const vtkTreeAMRRepresentation&) = delete;
 
+  /// Throws treeamr::Error when they are on no lattice.
+  void MergeGrids(vtkDataObject* input);
+
   vtkNew<SweepDrafts> Drafts;
+  std::string LastLeftOut; // by MergeGrids()
   double LocalBounds[6];
   bool HasExecuted = false; // RequestData(), in this update of the view
 };

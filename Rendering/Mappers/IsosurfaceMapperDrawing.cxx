@@ -358,6 +358,11 @@ void vtkTreeAMRIsosurfaceMapper::Select(treeamr::SurfaceActorView& view)
   {
     return; // there are none; those behind are hidden by the depths that the selector draws first
   }
+  if (this->CompositeIndex == 0)
+  {
+    internals.Messages.unsupported({ "Selection of cells of several grids that are drawn as one" });
+    return;
+  }
   const treeamr::SelectedProp selected(selector);
   vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
   vtkDataArray* array = grid->GetCellData()->GetArray(internals.Contoured.name.c_str());

@@ -96,7 +96,8 @@ public:
 
   ///@{
   /// What hardware selection gives as composite index: the flat index of the grid's block in a composite data
-  /// set. Default 1, as of a grid that is in none.
+  /// set. Default 1, as of a grid that is in none. 0: made of several, so that nothing of it is selected, which a warning
+  /// says once.
   vtkSetMacro(CompositeIndex, unsigned int);
   vtkGetMacro(CompositeIndex, unsigned int);
   ///@}

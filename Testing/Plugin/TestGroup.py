@@ -1,11 +1,35 @@
-"""A group of two grids is refused with an error, and does no other harm."""
+"""Groups of grids are drawn as one where they lie on one lattice, else refused with an error."""
 
-from paraview import simple
+import numpy
+from paraview import servermanager, simple
 
 import scene
 
 
 class TestGroup(scene.TestCase):
+    def test_halves_are_the_whole(self):
+        """A grid and its mirror image beside it, as a group and through the filter."""
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        mirror = simple.HyperTreeGridAxisReflection(Input=source, PlaneNormal="X Axis", PlanePosition=4)
+        group = simple.GroupDatasets(Input=[source, mirror])
+        merged = simple.TreeAMRMergeGrids(Input=group)
+        merged.UpdatePipeline()
+        self.assertEqual(2 * 288, servermanager.Fetch(merged).GetNumberOfLeaves())
+        view = scene.view()
+        for kind in ("Tree AMR Volume", "Tree AMR Isosurface"):
+            pictures = []
+            for proxy in (group, merged):
+                representation = simple.Show(proxy, view)
+                simple.ColorBy(representation, ("CELLS", "xyz"))
+                representation.SetRepresentationType(kind)
+                scene.look(view)
+                view.CameraFocalPoint = [4, 2, 2]
+                simple.ResetCamera(view)
+                pictures.append(scene.picture(view, f"{kind} {len(pictures)}"))
+                simple.Hide(proxy, view)
+            self.assertGreater(scene.drawn(pictures[0]).mean(), 0.02)
+            self.assertEqual(0, numpy.abs(pictures[0] - pictures[1]).max())
+
     def test_two_grids(self):
         group = simple.GroupDatasets(
             Input=[simple.TreeAMRExample(Dataset="Synthetic"), simple.TreeAMRExample(MaximumLevel=4)])

@@ -1,0 +1,216 @@
+// Grids of a collection as one: pieces that share trees by masks, mirrored halves, and what cannot be merged.
+#include "Support/GridMakers.h"
+#include "Support/HyperTreeGrids.h"
+
+#include "CornerArrays.h"
+#include "HyperTreeGridConverter.h"
+#include "vtkTreeAMRMergeGrids.h"
+
+#include "vtkBitArray.h"
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkHyperTree.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkHyperTreeGridAxisReflection.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkNew.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+using Grid = vtkSmartPointer<vtkHyperTreeGrid>;
+
+vtkSmartPointer<vtkMultiBlockDataSet> collectionOf(const std::vector<Grid>& grids)
+{
+  const auto collection = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  for (const Grid& grid : grids)
+  {
+    collection->SetBlock(collection->GetNumberOfBlocks(), grid);
+  }
+  return collection;
+}
+
+MadeGrid merge(const std::vector<Grid>& grids)
+{
+  return makeGridBy<vtkTreeAMRMergeGrids>(collectionOf(grids));
+}
+
+/// A copy in which leaves are masked unless isKept(bounds).
+template <class IsKept>
+Grid pieceOf(vtkHyperTreeGrid* grid, const IsKept& isKept)
+{
+  const auto piece = Grid::New();
+  piece->DeepCopy(grid);
+  vtkNew<vtkBitArray> mask;
+  mask->SetNumberOfTuples(countVertices(grid));
+  for (vtkIdType i = 0; i < mask->GetNumberOfTuples(); ++i)
+  {
+    mask->SetValue(i, grid->GetMask() && grid->GetMask()->GetNumberOfTuples() > i && grid->GetMask()->GetValue(i));
+  }
+  forEachLeaf(grid, [&](const double* bounds, vtkIdType id) {
+    if (!isKept(bounds))
+    {
+      mask->SetValue(id, 1);
+    }
+  });
+  piece->SetMask(mask);
+  return piece;
+}
+
+/// Of a cell, the same in all copies.
+std::size_t pieceNumber(const double* bounds, std::size_t count)
+{
+  std::uint64_t hash = 17;
+  for (int i = 0; i < 6; ++i)
+  {
+    std::uint64_t bits;
+    std::memcpy(&bits, bounds + i, sizeof(bits));
+    hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 31;
+  }
+  return hash % count;
+}
+
+void expectSame(const std::vector<DrawnCell>& found, const std::vector<DrawnCell>& expected)
+{
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+  {
+    ASSERT_EQ(found[i].bounds, expected[i].bounds) << i;
+    ASSERT_EQ(found[i].value, expected[i].value) << i;
+  }
+}
+
+} // namespace
+
+TEST(MergeGrids, PiecesThatShareTreesAreTheWhole)
+{
+  std::vector<RandomHyperTreeGrid> all(5);
+  all[1] = { .seed = 2, .missingTrees = 0.3, .masked = 0.1 };
+  all[2] = { .seed = 3, .transposedRoots = true };
+  all[3] = { .seed = 4, .explicitIndices = true };
+  all[4] = { .seed = 5, .depthLimit = 3 };
+  for (const RandomHyperTreeGrid& options : all)
+  {
+    SCOPED_TRACE(options.seed);
+    const auto whole = makeGrid(options);
+    std::vector<Grid> pieces;
+    for (std::size_t p = 0; p < 3; ++p)
+    {
+      pieces.push_back(pieceOf(whole, [p](const double* bounds) { return pieceNumber(bounds, 3) == p; }));
+    }
+    const MadeGrid made = merge(pieces);
+    EXPECT_TRUE(made.errors.empty()) << made.errors[0];
+    EXPECT_TRUE(made.warnings.empty());
+    expectSame(drawnCells(made.grid, "scalar"), drawnCells(whole, "scalar"));
+    expectSame(drawnCells(made.grid, "vector", 2), drawnCells(whole, "vector", 2));
+    EXPECT_EQ(made.grid->GetCellData()->GetArray("count")->GetDataType(), VTK_INT);
+    // What is reconstructed is that of the whole.
+    const auto merged = acquireField(made.grid, { "scalar" });
+    const auto field = acquireField(whole, { "scalar" });
+    EXPECT_EQ(merged->octree().leafCount(), field->octree().leafCount());
+    EXPECT_EQ(merged->range().min, field->range().min);
+    EXPECT_EQ(merged->range().max, field->range().max);
+  }
+}
+
+TEST(MergeGrids, HalvesOfAMirroredDomain)
+{
+  const auto half = makeGrid({ .seed = 6 });
+  vtkDoubleArray* const corners = vtkDoubleArray::New();
+  corners->SetName("corners");
+  markAsCorners(*corners);
+  corners->SetNumberOfTuples(countVertices(half));
+  forEachLeaf(half, [&](const double* b, vtkIdType id) {
+    for (int c = 0; c < 8; ++c)
+    {
+      corners->SetComponent(id, c, b[c & 1] + 10. * b[2 + (c >> 1 & 1)] + 100. * b[4 + (c >> 2)]);
+    }
+  });
+  half->GetCellData()->AddArray(corners);
+  corners->Delete();
+  vtkNew<vtkHyperTreeGridAxisReflection> reflection;
+  reflection->SetInputData(half);
+  reflection->SetPlaneToXMax();
+  reflection->Update();
+  const Grid other = vtkHyperTreeGrid::SafeDownCast(reflection->GetOutputDataObject(0));
+  const MadeGrid made = merge({ half, other });
+  EXPECT_TRUE(made.errors.empty()) << made.errors[0];
+  std::vector<DrawnCell> expected = drawnCells(half, "scalar");
+  const std::vector<DrawnCell> mirrored = drawnCells(other, "scalar");
+  expected.insert(expected.end(), mirrored.begin(), mirrored.end());
+  std::ranges::sort(expected, {}, &DrawnCell::bounds);
+  expectSame(drawnCells(made.grid, "scalar"), expected);
+
+  double bounds[6];
+  half->GetBounds(bounds);
+  vtkDataArray* const merged = made.grid->GetCellData()->GetArray("corners");
+  EXPECT_TRUE(isAtCorners(*merged));
+  forEachLeaf(made.grid, [&](const double* b, vtkIdType id) {
+    for (int c = 0; c < 8; ++c)
+    {
+      const double x = b[c & 1];
+      // VTK's reflection leaves components as they were: they belong to the corners that the cell had.
+      const double before = x > bounds[1] ? 2. * bounds[1] - x : x;
+      EXPECT_DOUBLE_EQ(
+        merged->GetComponent(id, c), before + 10. * b[2 + (c >> 1 & 1)] + 100. * b[4 + (c >> 2)]);
+    }
+  });
+}
+
+TEST(MergeGrids, OfCellsAtOnePlaceTheFirstCounts)
+{
+  const auto grid = makeGrid({ .seed = 7 });
+  const auto copy = Grid::New();
+  copy->DeepCopy(grid);
+  copy->GetCellData()->GetArray("scalar")->Fill(5.);
+  expectSame(drawnCells(merge({ grid, copy }).grid, "scalar"), drawnCells(grid, "scalar"));
+  for (const DrawnCell& cell : drawnCells(merge({ copy, grid }).grid, "scalar"))
+  {
+    ASSERT_EQ(cell.value, 5.);
+  }
+}
+
+TEST(MergeGrids, OneGridIsItself)
+{
+  const auto grid = makeGrid({ .seed = 8 });
+  const auto empty = Grid::New();
+  const MadeGrid made = merge({ empty, grid });
+  EXPECT_EQ(made.grid->GetCellData()->GetArray("scalar"), grid->GetCellData()->GetArray("scalar"));
+  EXPECT_TRUE(merge({ empty }).errors.empty());
+  EXPECT_EQ(makeGridBy<vtkTreeAMRMergeGrids>(grid).grid->GetNumberOfLeaves(), grid->GetNumberOfLeaves());
+}
+
+TEST(MergeGrids, WhatCannotBeMergedIsNamed)
+{
+  const auto grid = makeGrid({ .seed = 9, .levels = 2 });
+  const auto without = Grid::New();
+  without->DeepCopy(grid);
+  without->GetCellData()->RemoveArray("count");
+  const MadeGrid made = merge({ grid, without });
+  ASSERT_EQ(made.warnings.size(), 1u);
+  expectIn(made.warnings[0], "cell array 'count' is not in block 2");
+  EXPECT_EQ(made.grid->GetCellData()->GetArray("count"), nullptr);
+
+  const auto finer = makeUniformlyRefinedGrid(3);
+  const auto coarser = makeUniformlyRefinedGrid(2);
+  expectIn(errorOf<vtkTreeAMRMergeGrids>(collectionOf({ finer, coarser })),
+    "block 1 and block 2: cells of different levels overlap at (0, 0, 0)");
+
+  const auto shifted = Grid::New();
+  shifted->DeepCopy(finer);
+  vtkNew<vtkDoubleArray> coordinates;
+  coordinates->InsertNextValue(0.5);
+  coordinates->InsertNextValue(1.5);
+  shifted->SetXCoordinates(coordinates);
+  expectIn(errorOf<vtkTreeAMRMergeGrids>(collectionOf({ finer, shifted })),
+    "block 1: roots from 0.000000 to 1.000000 along x span 2 of the lattice that all grids form, allowed 1");
+}
