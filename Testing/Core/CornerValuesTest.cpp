@@ -698,6 +698,50 @@ TEST(CornerValues, ThatDisagreeAreNotKept)
   }
 }
 
+TEST(CornerValues, ThatDisagreeFromTreeToTreeAreNotKept)
+{
+  for (const auto& [below, above] : { std::pair(3, 3), std::pair(4, 4), std::pair(3, 4), std::pair(5, 3) })
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      std::array<int, 3> roots{ 1, 1, 1 };
+      roots[axis] = 2;
+      std::vector<LeafCell> cells;
+      for (int root = 0; root < 2; ++root)
+      {
+        const int level = root == 0 ? below : above;
+        for (Coord i = 0; i < Coord(1) << 3 * level; ++i)
+        {
+          const Coord mask = (Coord(1) << level) - 1;
+          LeafCell cell{ { { i & mask, i >> level & mask, i >> 2 * level }, level }, 0.f };
+          cell.cell.index[axis] += root << level;
+          cells.push_back(cell);
+        }
+      }
+      const auto octree = buildOctree(unitRoots(roots), cells).octree;
+      const std::vector<CellId> leaves = leavesOf(*octree);
+      for (const float jump : { 0.f, 1e-3f })
+      {
+        const Field field = Field::ofCorners(octree, [&](std::uint64_t leaf) {
+          std::array<float, 8> corners;
+          for (int c = 0; c < 8; ++c)
+          {
+            corners[c] = leaves[leaf].index[axis] >> leaves[leaf].level ? jump : 0.f;
+            for (int a = 0; a < 3; ++a)
+            {
+              corners[c] += static_cast<float>(
+                std::ldexp(static_cast<double>(leaves[leaf].index[a] + sideOf(c, a)), -leaves[leaf].level));
+            }
+          }
+          return corners;
+        });
+        EXPECT_EQ(field.corners() != nullptr, jump == 0.f) << below << " " << above << " " << axis;
+        EXPECT_NEAR(field.cornerJump(), jump, 1e-6);
+      }
+    }
+  }
+}
+
 TEST(CornerValues, ThatHangAreThoseOfCoarserLeaves)
 {
   for (const RandomTree& options : propertyTrees())
