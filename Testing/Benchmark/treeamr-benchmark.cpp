@@ -1,7 +1,7 @@
 // Measures the ray tracer on the forests <name>.p8est of a folder, whose names Scene.cpp has; CPU seconds are those
 // of the whole process on all threads.
 //
-// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points|unstructured] [--samples S]
+// treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points|reading|unstructured] [--samples S]
 //   [--picture FILE.ppm] [--json FILE]
 //
 // Volume: memory, seconds, and PSNR against the scalar reference at 64 samples per cell, which is kept beside the
@@ -25,6 +25,7 @@
 #include "Limit.h"
 #include "Meter.h"
 #include "PointFigures.h"
+#include "ReadingFigures.h"
 #include "ReferenceImage.h"
 #include "Report.h"
 #include "Scene.h"
@@ -60,6 +61,7 @@ struct Options
   bool volume = true;
   bool isosurface = true;
   bool points = true;
+  bool reading = true;
   bool unstructured = true;
   std::string picture;
   std::string json;
@@ -84,11 +86,13 @@ std::optional<Options> parse(int argc, char* argv[])
       options.only = value;
     }
     else if (name == "--part" &&
-      (value == "volume" || value == "isosurface" || value == "points" || value == "unstructured"))
+      (value == "volume" || value == "isosurface" || value == "points" || value == "reading" ||
+        value == "unstructured"))
     {
       options.volume = value == "volume";
       options.isosurface = value == "isosurface";
       options.points = value == "points";
+      options.reading = value == "reading";
       options.unstructured = value == "unstructured";
     }
     else if (name == "--picture")
@@ -328,6 +332,17 @@ void runPoints(const Options& options, Report& report)
   }
 }
 
+void runReading(const Options& options, Report& report)
+{
+  for (const Scene& scene : makeScenes())
+  {
+    if (options.only.empty() || options.only == scene.name)
+    {
+      report.add({ scene.name, readingFigures(options.folder + "/" + scene.name + ".p8est") });
+    }
+  }
+}
+
 void runUnstructured(const Options& options, Report& report)
 {
   constexpr std::size_t most = 5000000; // hexahedra take 270 bytes a cell
@@ -361,6 +376,7 @@ void run(const Options& options)
   Report isosurface("isosurface");
   Report activity("isosurface_activity");
   Report points("points");
+  Report reading("reading");
   Report unstructured("unstructured");
   Report system("system");
   std::vector<Row> systemRows; // after the other tables
@@ -376,6 +392,10 @@ void run(const Options& options)
   {
     runPoints(options, points);
   }
+  if (options.reading)
+  {
+    runReading(options, reading);
+  }
   if (options.unstructured)
   {
     runUnstructured(options, unstructured);
@@ -386,7 +406,7 @@ void run(const Options& options)
   }
   if (!options.json.empty())
   {
-    writeJson(options.json, { &volume, &isosurface, &activity, &points, &unstructured, &system });
+    writeJson(options.json, { &volume, &isosurface, &activity, &points, &reading, &unstructured, &system });
   }
 }
 
@@ -400,7 +420,7 @@ int main(int argc, char* argv[])
   if (!options)
   {
     std::fprintf(stderr,
-      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points|unstructured]\n"
+      "usage: treeamr-benchmark FOLDER [--only NAME] [--part volume|isosurface|points|reading|unstructured]\n"
       "  [--samples S] [--picture FILE.ppm] [--json FILE]\n"
       "--picture needs --only\n");
     return 2;
