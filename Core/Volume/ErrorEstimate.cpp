@@ -98,7 +98,7 @@ ErrorEstimator::ErrorEstimator(
   }
   refine(settings.samplesPerCell);
   ofSamples_ = errorOfSamples(ofFrame);
-  ofEnds_ = errorOfEnds(ofFrame);
+  ofEnds_ = settings.blend == VolumeBlend::Composite ? errorOfEnds(ofFrame) : 0.;
 }
 
 void ErrorEstimator::choose(const Image& frame)

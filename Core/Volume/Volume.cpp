@@ -9,6 +9,7 @@
 #include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -40,6 +41,58 @@ void check(const Field& field, const TransferFunction& transferFunction)
   }
 }
 
+void check(const VolumeShading& shading)
+{
+  const auto checkAll = [](const char* what, const auto&... numbers) {
+    for (const auto& all : { std::span<const double>(numbers)... })
+    {
+      for (const double number : all)
+      {
+        if (!std::isfinite(number))
+        {
+          throw Error("volume: " + std::string(what) + " of " + std::to_string(number) +
+            ", allowed are finite numbers");
+        }
+      }
+    }
+  };
+  const auto three = [](const std::array<float, 3>& rgb) { return Vec3{ rgb[0], rgb[1], rgb[2] }; };
+  checkAll("a coefficient of its light",
+    Vec3{ shading.ambient, shading.diffuse, shading.specular }, three(shading.ambientLight));
+  checkAll("an element of the lights' matrix", shading.lightsFromData);
+  if (!(shading.specularPower >= 0.f) || !std::isfinite(shading.specularPower))
+  {
+    throw Error("volume: a specular power of " + std::to_string(shading.specularPower) +
+      ", allowed are finite numbers from 0 on");
+  }
+  for (const Light& light : shading.lights)
+  {
+    checkAll("a property of a light", light.position, light.direction, light.attenuation,
+      three(light.color), three(light.specularColor), Vec3{ light.coneAngle, light.exponent, 0. });
+  }
+}
+
+void check(const GradientOpacity& function)
+{
+  if (!(function.longest > 0.) || !std::isfinite(function.longest))
+  {
+    throw Error("volume: a longest gradient of " + std::to_string(function.longest) +
+      ", allowed are finite numbers above 0");
+  }
+  if (function.entries.size() < 2)
+  {
+    throw Error("volume: gradient opacity of " + std::to_string(function.entries.size()) +
+      " entries, needed are two");
+  }
+  for (const float entry : function.entries)
+  {
+    if (!(entry >= 0.f && entry <= 1.f))
+    {
+      throw Error("volume: a gradient opacity of " + std::to_string(entry) + ", allowed are 0 to 1");
+    }
+  }
+}
+
 void check(const RayView& view, const VolumeSettings& settings)
 {
   if (!(settings.samplesPerCell > 0.) || !(settings.samplesPerCell <= VolumeSettings::maxSamplesPerCell))
@@ -49,6 +102,28 @@ void check(const RayView& view, const VolumeSettings& settings)
       std::to_string(VolumeSettings::maxSamplesPerCell));
   }
   view.stops.check(view.camera, "volume");
+  const bool isComposite = settings.blend == VolumeBlend::Composite;
+  if (view.stops.hits && !isComposite)
+  {
+    throw Error("volume: surfaces in a blend of values, allowed in composites alone");
+  }
+  if (!isComposite && (!(settings.unitDistance > 0.) || !std::isfinite(settings.unitDistance)))
+  {
+    throw Error(
+      "volume: a unit distance of " + std::to_string(settings.unitDistance) + ", allowed are lengths above 0");
+  }
+  if (std::isnan(settings.averageRange.min) || std::isnan(settings.averageRange.max))
+  {
+    throw Error("volume: the range of an average is not a number");
+  }
+  if (settings.shading)
+  {
+    check(*settings.shading);
+  }
+  if (settings.gradientOpacity)
+  {
+    check(*settings.gradientOpacity);
+  }
 }
 
 void check(const Camera& camera, std::span<const PixelGroup> groups, std::span<const float> rgba)
@@ -100,13 +175,38 @@ void Volume::setKeptBytes(std::size_t bytes)
   if (bytes != budget_)
   {
     kept_ = nullptr;
+    keptGradients_ = nullptr;
     budget_ = bytes;
   }
 }
 
 std::size_t Volume::keptBytes() const noexcept
 {
-  return kept_ ? kept_->byteSize() : 0;
+  return (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0);
+}
+
+/// Gradients take their part of the budget while frames are lit, and nothing else.
+void Volume::prepareMemory(bool withGradients, bool withMeans)
+{
+  constexpr double partOfGradients =
+    static_cast<double>(GradientCache::blockBytes) / (GradientCache::blockBytes + BlockCache::blockBytes);
+  if (!kept_ || withGradients != static_cast<bool>(keptGradients_))
+  {
+    const auto ofGradients =
+      withGradients ? static_cast<std::size_t>(partOfGradients * static_cast<double>(budget_)) : 0;
+    kept_ = nullptr; // the old ones' memory first
+    keptGradients_ = nullptr;
+    kept_ = std::make_unique<BlockCache>(*field_, budget_ - ofGradients);
+    keptGradients_ = withGradients ? std::make_unique<GradientCache>(*field_, ofGradients) : nullptr;
+  }
+  if (withMeans)
+  {
+    kept_->prepareMeans();
+    if (keptGradients_)
+    {
+      keptGradients_->prepareMeans();
+    }
+  }
 }
 
 VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& settings, Image* image)
@@ -118,18 +218,14 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   {
     table_ = std::make_unique<VolumeTable>(*field_, transferFunction_, worldMagnitude);
   }
-  if (!kept_)
-  {
-    kept_ = std::make_unique<BlockCache>(*field_, budget_);
-  }
-  VolumeKernelScene scene(*field_, transferFunction_, *table_, view, settings, *kept_, image);
+  const bool hasCategories = transferFunction_.hasCategories();
+  prepareMemory(volumeLoop(settings, hasCategories) == VolumeLoop::Lit,
+    settings.levelOfDetailPixels > 0. && !hasCategories);
+  VolumeKernelScene scene(
+    *field_, transferFunction_, *table_, view, settings, *kept_, keptGradients_.get(), image);
   if (scene.features.preIntegration)
   {
     table_->integrate(transferFunction_);
-  }
-  if (settings.levelOfDetailPixels > 0. && !scene.features.categories)
-  {
-    kept_->prepareMeans();
   }
   return scene;
 }
@@ -151,6 +247,10 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
   const VolumeStatistics all =
     statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
   kept_->endFrame(all.kept, all.blocks);
+  if (keptGradients_)
+  {
+    keptGradients_->endFrame(all.keptGradients, all.gradients);
+  }
   return all;
 }
 

@@ -16,6 +16,7 @@ namespace treeamr
 {
 
 class BlockCache;
+class GradientCache;
 class VolumeTable;
 struct VolumeKernelScene;
 
@@ -32,7 +33,7 @@ struct PixelGroup
 };
 
 /// A field seen through a transfer function, and what its frames have in common: the function's table, and vertex
-/// values of earlier frames. Of its calls one at a time; each takes all threads of TBB's arena.
+/// values of earlier frames, and vertex gradients where they were lit. Of its calls one at a time; each takes all threads of TBB's arena.
 class Volume
 {
 public:
@@ -56,7 +57,7 @@ public:
 
   /// Renders into `image` (overwritten). A ray is integrated from stop to stop, with no sample across one; what the
   /// stops hide from all rays is not visited. Throws Error when the image's size or that of the stops is not the
-  /// camera's, or the settings are not finite and positive.
+  /// camera's, the settings are not finite and positive, or the stops have hits and the blend is not composite.
   VolumeStatistics render(const RayView& view, const VolumeSettings& settings, Image& image);
 
   /// The pixels of these groups as render() gives them, to the bit. rgba: rgbaSize floats for each group, row by
@@ -72,6 +73,7 @@ public:
     const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
 
 private:
+  void prepareMemory(bool withGradients, bool withMeans);
   VolumeKernelScene makeScene(const RayView& view, const VolumeSettings& settings, Image* image);
 
   std::shared_ptr<const Field> field_;
@@ -79,6 +81,7 @@ private:
   std::unique_ptr<VolumeTable> table_; // of the last frame; null: of another function
   std::size_t budget_;                 // of bytes
   std::unique_ptr<BlockCache> kept_; // null: no frame has been rendered
+  std::unique_ptr<GradientCache> keptGradients_; // null: the last frame was not lit
 };
 
 } // namespace treeamr

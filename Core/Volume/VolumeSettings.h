@@ -1,10 +1,53 @@
 // What a frame of a volume is asked for, and what it did.
 #pragma once
 
+#include "Field/RangeCode.h"
+#include "Geometry/Camera.h"
+#include "Geometry/Light.h"
+
+#include <array>
 #include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
 
 namespace treeamr
 {
+
+/// What a ray makes of the values along it.
+enum class VolumeBlend
+{
+  Composite, // emission and absorption, front to back
+  Maximum,   // the largest value, in its colour and its opacity
+  Minimum,   // the smallest one
+  Average,   // mean over the ray's length of opacity times value, the values' range taken as 0 to 1: an opaque grey
+  Additive   // integral of opacity times value over lengths in unit distances, in the same way
+};
+
+/// How a volume reflects light: at each sample by the field's gradient there, which is continuous where cells of
+/// different sizes meet. Where the field is flat there is the ambient term alone.
+struct VolumeShading
+{
+  float ambient = 0.1f; // of the sample's colour
+  float diffuse = 0.7f;
+  float specular = 0.2f;
+  float specularPower = 10.f;
+  std::array<float, 3> ambientLight{}; // as it is, whatever the sample's colour
+  /// In coordinates whose origin is the eye. With none there are the ambient terms alone.
+  std::vector<Light> lights;
+  Matrix4 lightsFromData{ 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1. }; // affine
+  /// Whether light also falls on sides whose values fall the way it travels.
+  bool twoSided = true;
+};
+
+/// By which a sample's extinction is multiplied: a function of the length of the gradient, per unit of data
+/// coordinates.
+struct GradientOpacity
+{
+  double longest = 1.; // gradient, above 0
+  /// Two or more in [0, 1], equally spaced from no gradient to the longest: linear in between, constant beyond.
+  std::vector<float> entries;
+};
 
 struct VolumeSettings
 {
@@ -21,6 +64,14 @@ struct VolumeSettings
   bool doubles = false;
   /// Nodes whose children are smaller than this many pixels may be drawn from their means; 0 is off.
   double levelOfDetailPixels = 0.;
+  VolumeBlend blend = VolumeBlend::Composite;
+  /// Length in the world over which the opacities count that blends other than composite ask for.
+  double unitDistance = 1.;
+  /// Values, less the field's offset, that an average counts.
+  Range averageRange{ -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity() };
+  /// Of composites; not of categories, which have no gradients.
+  std::optional<VolumeShading> shading{};
+  std::optional<GradientOpacity> gradientOpacity{};
 };
 
 struct VolumeStatistics
@@ -30,6 +81,8 @@ struct VolumeStatistics
   std::uint64_t kept = 0;      // blocks of leaves whose vertex values were found
   std::uint64_t blocks = 0;    // that were computed
   std::uint64_t cells = 0;     // leaves in these
+  std::uint64_t keptGradients = 0; // blocks whose vertex gradients were found
+  std::uint64_t gradients = 0;     // that were computed
   std::uint64_t intervals = 0; // vectors of rays taken through a leaf or block
   std::uint64_t steps = 0;     // of these vectors
   std::uint64_t litSteps = 0;  // that were not transparent for all of their rays
@@ -42,6 +95,8 @@ struct VolumeStatistics
     kept += other.kept;
     blocks += other.blocks;
     cells += other.cells;
+    keptGradients += other.keptGradients;
+    gradients += other.gradients;
     intervals += other.intervals;
     steps += other.steps;
     litSteps += other.litSteps;

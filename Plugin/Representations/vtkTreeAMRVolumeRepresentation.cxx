@@ -161,20 +161,6 @@ void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opac
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetBlendMode(int mode)
-{
-  this->Mapper->SetBlendMode(mode);
-  this->UpdateShade();
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetShowIsosurfaces(bool show)
-{
-  this->Mapper->SetShowIsosurfaces(show);
-  this->UpdateShade();
-}
-
-//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeRepresentation::SetNumberOfIsosurfaces(int number)
 {
   this->Property->GetIsoSurfaceValues()->SetNumberOfContours(number);
@@ -187,24 +173,10 @@ void vtkTreeAMRVolumeRepresentation::SetIsosurfaceValue(int index, double value)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetShade(bool shade)
-{
-  this->Shade = shade;
-  this->UpdateShade();
-}
-
-//------------------------------------------------------------------------------
 bool vtkTreeAMRVolumeRepresentation::HasSurfaces()
 {
   return this->Mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND ||
-    this->Mapper->GetShowIsosurfaces();
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::UpdateShade()
-{
-  // The mapper would warn that it shades no volume, which nobody has asked for here.
-  this->Property->SetShade(this->Shade && this->HasSurfaces());
+    (this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND && this->Mapper->GetShowIsosurfaces());
 }
 
 //------------------------------------------------------------------------------

@@ -38,17 +38,21 @@ public:
     this->Property->SetScalarOpacityUnitDistance(distance);
   }
   ///@{
-  /// Surfaces of the drawn array's values, alone (vtkVolumeMapper::ISOSURFACE_BLEND) or inside the volume; see
-  /// vtkTreeAMRVolumeMapper.
-  void SetBlendMode(int mode);
-  void SetShowIsosurfaces(bool show);
+  /// What rays make of the volume, and surfaces of the drawn array's values, alone (vtkVolumeMapper::ISOSURFACE_BLEND)
+  /// or inside a composite; see vtkTreeAMRVolumeMapper.
+  void SetBlendMode(int mode) { this->Mapper->SetBlendMode(mode); }
+  void SetShowIsosurfaces(bool show) { this->Mapper->SetShowIsosurfaces(show); }
   void SetNumberOfIsosurfaces(int number);
   void SetIsosurfaceValue(int index, double value);
   void SetIsosurfaceOpacityScale(double scale) { this->Mapper->SetIsosurfaceOpacityScale(scale); }
-  void SetShade(bool shade);
+  void SetShadeIsosurfaces(bool shade) { this->Mapper->SetShadeIsosurfaces(shade); }
   void SetAmbientOcclusionSamples(int samples) { this->Mapper->SetAmbientOcclusionSamples(samples); }
   void SetAmbientOcclusionRadius(double radius) { this->Mapper->SetAmbientOcclusionRadius(radius); }
   void SetShadows(bool shadows) { this->Mapper->SetShadows(shadows); }
+  ///@}
+  ///@{
+  /// The light of the volume, and of its isosurfaces.
+  void SetShade(bool shade) { this->Property->SetShade(shade); }
   void SetAmbient(double coefficient) { this->Property->SetAmbient(coefficient); }
   void SetDiffuse(double coefficient) { this->Property->SetDiffuse(coefficient); }
   void SetSpecular(double coefficient) { this->Property->SetSpecular(coefficient); }
@@ -106,9 +110,7 @@ private:
   void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
 
   bool HasSurfaces();
-  void UpdateShade();
 
-  bool Shade = true; // the isosurfaces
   double CroppingOrigin[3] = { 0., 0., 0. };
   double CroppingScale[3] = { 1., 1., 1. };
   double DataBounds[6] = { 0., 0., 0., 0., 0., 0. }; // of all ranks' grids

@@ -3,6 +3,7 @@
 #include "MapperMessages.h"
 #include "SceneConversion.h"
 #include "SurfaceActorView.h"
+#include "VolumeEffects.h"
 #include "vtkTreeAMRIsosurfaceActor.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
 #include "vtkTreeAMRVolumeMapper.h"
@@ -88,10 +89,11 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer)
       continue;
     }
     auto volume = vtkVolume::SafeDownCast(prop);
-    if (volume && vtkTreeAMRVolumeMapper::SafeDownCast(volume->GetMapper()) && !scene.volume)
+    auto ownMapper = volume ? vtkTreeAMRVolumeMapper::SafeDownCast(volume->GetMapper()) : nullptr;
+    if (ownMapper && !blendsValues(ownMapper) && !scene.volume)
     {
       // Without an input VTK does not ask it to draw.
-      scene.volume = volume->GetMapper()->GetDataObjectInput() ? volume : nullptr;
+      scene.volume = ownMapper->GetDataObjectInput() ? volume : nullptr;
       continue;
     }
     auto actor = vtkActor::SafeDownCast(prop);

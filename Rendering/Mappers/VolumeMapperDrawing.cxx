@@ -1,6 +1,7 @@
 // How a volume mapper draws: the frame's plan, its rays, and the ways into the window.
 #include "FramePlan.h"
 #include "SceneConversion.h"
+#include "VolumeEffects.h"
 #include "VolumeMapperInternals.h"
 #include "vtkTreeAMRDepthReader.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
@@ -73,7 +74,7 @@ void vtkTreeAMRVolumeMapper::CastRays(const treeamr::RayView& view, bool isPart,
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
-  treeamr::VolumeSettings settings;
+  treeamr::VolumeSettings settings = internals.Effects;
   settings.samplesPerCell = frame.SamplesPerCell;
   settings.skipEmpty = this->SkipEmptySpace || !this->ShowsVolume();
   settings.levelOfDetailPixels = frame.LevelOfDetail;
@@ -116,6 +117,8 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
     this->CheckSettings();
     this->UpdateField(volume);
     this->UpdateVolume(volume);
+    this->Private->Effects =
+      treeamr::convertVolumeEffects(renderer, volume, this, *this->Private->Field);
     this->UpdateIsosurfaces(renderer, volume);
     return true;
   }
@@ -142,17 +145,17 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
     pose.width = picture.Viewport.Width;
     pose.height = picture.Viewport.Height;
     pose.layers = treeamr::SurfaceLayers::All;
-    pose.normals = picture.Volume->GetProperty()->GetShade(0) ? treeamr::SurfaceNormals::Smooth
-                                                              : treeamr::SurfaceNormals::None;
+    const bool shaded = picture.Volume->GetProperty()->GetShade(0) || this->ShadeIsosurfaces;
+    pose.normals = shaded ? treeamr::SurfaceNormals::Smooth : treeamr::SurfaceNormals::None;
     pose.cut = picture.Cut;
     treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
     treeamr::SurfaceAppearance appearance;
     appearance.opaque = false;
     appearance.lights = treeamr::convertLights(picture.Renderer);
     appearance.surfaces = treeamr::convertSurfaceMaterials(picture.Volume->GetProperty(),
-      own.engine()->isovalues(), this->IsosurfaceOpacityScale, appearance.lights);
+      own.engine()->isovalues(), this->IsosurfaceOpacityScale, shaded, appearance.lights);
     treeamr::SecondaryRays wanted;
-    if (picture.Volume->GetProperty()->GetShade(0) && !appearance.lights.empty())
+    if (shaded && !appearance.lights.empty())
     {
       wanted.occlusionSamples = this->AmbientOcclusionSamples;
       wanted.occlusionRadius =

@@ -95,6 +95,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   std::optional<treeamr::Volume> Volume;
   vtkVolumeProperty* Property = nullptr; // not dereferenced
   vtkMTimeType PropertyTime = 0;
+  treeamr::VolumeSettings Effects; // of this frame
   vtkTimeStamp TransferFunctionTime;
   double TransferFunctionSeconds = 0.;
   std::array<treeamr::VolumeSurfaces, 2> Surfaces; // of the field, seen by each eye

@@ -3,6 +3,7 @@
 #include "SceneConversion.h"
 #include "TransferFunctionConversion.h"
 #include "UnsupportedSettings.h"
+#include "VolumeEffects.h"
 #include "VolumeMapperInternals.h"
 
 #include "Error.h"
@@ -75,6 +76,7 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "EstimateError: " << this->EstimateError << endl;
   os << indent << "TargetError: " << this->TargetError << endl;
   os << indent << "ShowIsosurfaces: " << this->ShowIsosurfaces << endl;
+  os << indent << "ShadeIsosurfaces: " << this->ShadeIsosurfaces << endl;
   os << indent << "IsosurfaceOpacityScale: " << this->IsosurfaceOpacityScale << endl;
   os << indent << "AmbientOcclusionSamples: " << this->AmbientOcclusionSamples << endl;
   os << indent << "AmbientOcclusionRadius: " << this->AmbientOcclusionRadius << endl;
@@ -147,6 +149,7 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetEstimateError(other->EstimateError);
     this->SetTargetError(other->TargetError);
     this->SetShowIsosurfaces(other->ShowIsosurfaces);
+    this->SetShadeIsosurfaces(other->ShadeIsosurfaces);
     this->SetIsosurfaceOpacityScale(other->IsosurfaceOpacityScale);
     this->SetAmbientOcclusionSamples(other->AmbientOcclusionSamples);
     this->SetAmbientOcclusionRadius(other->AmbientOcclusionRadius);
@@ -181,6 +184,8 @@ vtkTable* vtkTreeAMRVolumeMapper::GetStatistics()
   addColumn(table, "KeptBlocks", frame.Counts.kept);
   addColumn(table, "ReconstructedBlocks", frame.Counts.blocks);
   addColumn(table, "ReconstructedCells", frame.Counts.cells);
+  addColumn(table, "KeptGradients", frame.Counts.keptGradients);
+  addColumn(table, "ReconstructedGradients", frame.Counts.gradients);
   addColumn(table, "Intervals", frame.Counts.intervals);
   addColumn(table, "Samples", frame.Counts.samples);
   const treeamr::VolumeSurfaces& seen = internals.Surfaces[frame.Eye];
@@ -223,11 +228,12 @@ vtkMTimeType vtkTreeAMRVolumeMapper::GetIsosurfaceBuildTime()
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::CheckSettings()
 {
-  if (this->BlendMode != vtkVolumeMapper::COMPOSITE_BLEND &&
-    this->BlendMode != vtkVolumeMapper::ISOSURFACE_BLEND)
+  if (this->BlendMode < vtkVolumeMapper::COMPOSITE_BLEND ||
+    this->BlendMode > vtkVolumeMapper::ISOSURFACE_BLEND)
   {
     throw treeamr::Error("volume mapper: blend mode " + std::to_string(this->BlendMode) +
-      ", allowed are 0 (composite) and 5 (isosurface)");
+      ", allowed are 0 (composite), 1 and 2 (maximum and minimum intensity), 3 (average), 4 (additive) and 5 "
+      "(isosurface)");
   }
   for (const auto& [name, value] : { std::pair("image sample distance", this->ImageSampleDistance),
          std::pair("minimum image sample distance", this->MinimumImageSampleDistance),
@@ -248,7 +254,9 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
 void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 {
   const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
-  this->Private->Messages.unsupported(treeamr::unsupportedSettings(volume, this, hasSurfaces));
+  const bool hasCategories = this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty());
+  this->Private->Messages.unsupported(
+    treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces));
 }
 
 //------------------------------------------------------------------------------
@@ -299,7 +307,7 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
 //------------------------------------------------------------------------------
 bool vtkTreeAMRVolumeMapper::ShowsVolume() const
 {
-  return this->BlendMode == vtkVolumeMapper::COMPOSITE_BLEND;
+  return this->BlendMode != vtkVolumeMapper::ISOSURFACE_BLEND;
 }
 
 //------------------------------------------------------------------------------
@@ -343,7 +351,7 @@ void vtkTreeAMRVolumeMapper::UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume*
   Internals& internals = *this->Private;
   vtkContourValues* contours = volume->GetProperty()->GetIsoSurfaceValues();
   const int count = contours->GetNumberOfContours();
-  if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces))
+  if (count == 0 || (this->ShowsVolume() && !this->ShowIsosurfaces) || treeamr::blendsValues(this))
   {
     for (treeamr::VolumeSurfaces& surfaces : internals.Surfaces)
     {

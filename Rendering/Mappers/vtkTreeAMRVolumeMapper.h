@@ -8,7 +8,10 @@
  * vtkVolumeProperty, component 0; the array from SelectScalarArray() and ScalarMode. Without a selection it
  * is the active scalars or, when there are none, the first cell array.
  *
- * Composite blending, or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
+ * Composite blending, lit where the property's Shade asks for it, by normals that are continuous across levels, and
+ * with its gradient opacity: a function of the change across the width of the finest cells, where VTK's is of that
+ * across an image's spacing. Maximum, minimum and average intensity and additive blending as VTK's GPU mapper has
+ * them. Or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
  * default is one, 0) alone, each coloured and as opaque as the functions are at its value, whatever the unit
  * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the
  * volume, in one pass and in their order.
@@ -18,8 +21,8 @@
  * volume and actors of vtkTreeAMRIsosurfaceMapper, the volume draws these with itself, each ray once through
  * everything, with and without depth peeling. Isosurfaces leave no depth. Clipping planes (world coordinates) and
  * cropping (regions of data coordinates) cut the volume and its own isosurfaces, at the planes and not at cells,
- * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for: shading
- * of the volume itself, gradient opacity, two-dimensional functions, components with functions of their own.
+ * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for:
+ * two-dimensional functions, components with functions of their own, slices.
  * Selections pass through volumes. The property's interpolation type is not asked: the field is always continuous,
  * but for categories.
  *
@@ -169,6 +172,12 @@ public:
   vtkBooleanMacro(ShowIsosurfaces, bool);
   ///@}
   ///@{
+  /// Whether isosurfaces are lit whatever vtkVolumeProperty::Shade says of the volume. Default off: as the volume.
+  vtkSetMacro(ShadeIsosurfaces, bool);
+  vtkGetMacro(ShadeIsosurfaces, bool);
+  vtkBooleanMacro(ShadeIsosurfaces, bool);
+  ///@}
+  ///@{
   /// Factor of the isosurfaces' opacities, which end at 1: a function that suits a volume may leave surfaces
   /// faint. Default 1.
   vtkSetClampMacro(IsosurfaceOpacityScale, double, 0., VTK_DOUBLE_MAX);
@@ -244,6 +253,7 @@ protected:
   bool EstimateError = false;
   double TargetError = 0.;
   bool ShowIsosurfaces = false;
+  bool ShadeIsosurfaces = false;
   double IsosurfaceOpacityScale = 1.;
   int AmbientOcclusionSamples = 0;
   double AmbientOcclusionRadius = 0.05;

@@ -190,6 +190,7 @@ std::vector<Light> convertLights(vtkRenderer* renderer)
     converted.exponent = light->GetExponent();
     converted.attenuation = toVec3(light->GetAttenuationValues());
     converted.color = scaledColor(light->GetDiffuseColor(), light->GetIntensity());
+    converted.specularColor = scaledColor(light->GetSpecularColor(), light->GetIntensity());
     // At the eye: its shadows are out of sight.
     converted.castsShadows = !light->LightTypeIsHeadlight();
     lights.push_back(converted);
@@ -228,11 +229,10 @@ Material convertMaterial(vtkProperty* property, bool lit)
 }
 
 std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,
-  const std::vector<double>& isovalues, double opacityScale, const std::vector<Light>& lights)
+  const std::vector<double>& isovalues, double opacityScale, bool shaded, const std::vector<Light>& lights)
 {
   vtkPiecewiseFunction* const gray =
     property->GetColorChannels(0) == 1 ? property->GetGrayTransferFunction(0) : nullptr;
-  const bool shaded = property->GetShade(0) != 0;
   const double unshaded = shaded ? property->GetAmbient(0) + property->GetDiffuse(0) : 1.;
   std::vector<SurfaceMaterial> materials;
   for (const double isovalue : isovalues)

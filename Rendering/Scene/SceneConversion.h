@@ -50,6 +50,6 @@ Material convertMaterial(vtkProperty* property, bool lit);
 /// opacity, whatever the unit distance; without shading the colour is all there is, and with it but without
 /// light what polygons show. Opacities are multiplied by opacityScale, up to 1.
 std::vector<SurfaceMaterial> convertSurfaceMaterials(vtkVolumeProperty* property,
-  const std::vector<double>& isovalues, double opacityScale, const std::vector<Light>& lights);
+  const std::vector<double>& isovalues, double opacityScale, bool shaded, const std::vector<Light>& lights);
 
 } // namespace treeamr

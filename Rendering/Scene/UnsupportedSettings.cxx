@@ -1,8 +1,9 @@
 #include "UnsupportedSettings.h"
 
+#include "VolumeEffects.h"
+
 #include "vtkActor.h"
 #include "vtkMapper.h"
-#include "vtkPiecewiseFunction.h"
 #include "vtkPlaneCollection.h"
 #include "vtkProperty.h"
 #include "vtkShaderProperty.h"
@@ -11,7 +12,6 @@
 #include "vtkVolumeMapper.h"
 #include "vtkVolumeProperty.h"
 
-#include <cstring>
 #include <initializer_list>
 
 namespace treeamr
@@ -46,17 +46,6 @@ bool hasShaderCode(vtkProp* prop)
     shaders->HasFragmentShaderCode() || shaders->GetNumberOfShaderReplacements() > 0;
 }
 
-/// A function that is 1 everywhere, which VTK makes when it copies properties, changes nothing.
-bool hasGradientOpacity(vtkVolumeProperty* property)
-{
-  if (!property->HasGradientOpacity() || property->GetDisableGradientOpacity())
-  {
-    return false;
-  }
-  vtkPiecewiseFunction* function = property->GetGradientOpacity();
-  return std::strcmp(function->GetType(), "Constant") != 0 || function->GetValue(0.) != 1.;
-}
-
 template <class IsSet>
 bool anyComponent(int first, const IsSet& isSet)
 {
@@ -70,16 +59,18 @@ bool anyComponent(int first, const IsSet& isSet)
 
 } // namespace
 
-SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces)
+SettingNames unsupportedSettings(
+  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces)
 {
   vtkVolumeProperty* property = volume->GetProperty();
   // Asking for functions that were never set would make them; colours tell by their channels.
   const bool hasSecondComponent = anyComponent(1, [&](int i) { return property->GetColorChannels(i) != 1; });
   const bool hasWeights = anyComponent(0, [&](int i) { return property->GetComponentWeight(i) != 1.; });
   return namesOf({
-    { "Shade without isosurfaces", property->GetShade() && !hasSurfaces },
+    { "Shade of categories", property->GetShade() && hasCategories && !hasSurfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
-    { "GradientOpacity", hasGradientOpacity(property) },
+    { "GradientOpacity of categories", hasGradientOpacity(property) && hasCategories },
+    { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && hasSurfaces },
     { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
     { "IndependentComponents off", !property->GetIndependentComponents() },
     { "SetColor(1, ...)", hasSecondComponent },

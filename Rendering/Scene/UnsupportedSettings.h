@@ -18,8 +18,9 @@ namespace treeamr
 using SettingNames = std::vector<std::string>;
 
 /// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what
-/// else there is. hasSurfaces: whether there is something for vtkVolumeProperty::Shade to light.
-SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, bool hasSurfaces);
+/// else there is. hasCategories: whether cells are constant, without gradients; hasSurfaces: whether isosurfaces are shown.
+SettingNames unsupportedSettings(
+  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces);
 SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper);
 
 /// Says each once.

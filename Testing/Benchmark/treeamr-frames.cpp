@@ -101,14 +101,57 @@ public:
       { "means", [&] { return volume(makeCamera(pixels), {}, 4.); } },
       { "depths", [&] { return depths(makeCamera(pixels)); } },
       { "surfaces", [&] { return surfaces(makeCamera(pixels)); } },
-      { "isosurface", [&] { return numbers(hits(makeCamera(pixels))); } } };
+      { "isosurface", [&] { return numbers(hits(makeCamera(pixels))); } },
+      { "maximum", [&] { return blend(VolumeBlend::Maximum); } },
+      { "average", [&] { return blend(VolumeBlend::Average); } },
+      { "additive", [&] { return blend(VolumeBlend::Additive); } },
+      // Last: with gradients there is less memory for values.
+      { "lit", [&] { return lit(true, false); } }, { "gradients", [&] { return lit(false, true); } },
+      { "all", [&] { return lit(true, true); } } };
   }
 
 private:
+  std::vector<float> blend(VolumeBlend blend)
+  {
+    VolumeSettings settings;
+    settings.blend = blend;
+    settings.unitDistance = 0.05;
+    return volume(makeCamera(pixels), {}, settings);
+  }
+
+  /// By a headlight, as VTK has it by default.
+  std::vector<float> lit(bool shades, bool byGradient)
+  {
+    const Camera camera = makeCamera(pixels);
+    VolumeSettings settings;
+    if (shades)
+    {
+      const Vec3 eye = camera.ray(pixels / 2, pixels / 2).origin;
+      VolumeShading& shading = settings.shading.emplace();
+      shading.lightsFromData[3] = -eye[0];
+      shading.lightsFromData[7] = -eye[1];
+      shading.lightsFromData[11] = -eye[2];
+      Light headlight;
+      headlight.positional = true;
+      shading.lights = { headlight };
+    }
+    if (byGradient)
+    {
+      const Range range = field_->range();
+      settings.gradientOpacity = GradientOpacity{ 48. * (range.max - range.min), { 0.f, 1.f, 1.f, 1.f } };
+    }
+    return volume(camera, {}, settings);
+  }
+
   std::vector<float> volume(const Camera& camera, const RayStops& stops = {}, double means = 0.)
   {
     VolumeSettings settings;
     settings.levelOfDetailPixels = means;
+    return volume(camera, stops, settings);
+  }
+
+  std::vector<float> volume(const Camera& camera, const RayStops& stops, const VolumeSettings& settings)
+  {
     Image image(camera.width(), camera.height());
     volume_.render({ camera, stops }, settings, image);
     return numbers(image);

@@ -111,7 +111,7 @@ class Session:
 
     def change_blending(self, slot):
         _, shown, _ = self.grids[slot]
-        shown.BlendMode = self.random.choice(["Composite", "Isosurface"])
+        shown.BlendMode = self.random.choice(["Composite", "Maximum Intensity", "Additive", "Isosurface"])
         shown.ShowIsosurfaces = self.random.randrange(2)
 
     def change_shading(self, slot):

@@ -205,7 +205,7 @@ grid.GetCellData().AddArray(array)
     def test_isosurfaces(self):
         """One colour all over: each pixel lets through what the volume and the surfaces let through."""
         self.show(rgb=(1, 0, 0), opacity=0.5)
-        self.representation.Shade = 0
+        self.representation.ShadeIsosurfaces = 0
         self.representation.ScalarOpacityUnitDistance = 4
         volume = self.picture("no-isosurfaces")
         low, high = self.source.CellData["xyz"].GetRange()
@@ -238,7 +238,7 @@ grid.GetCellData().AddArray(array)
         dark = self.picture("occluded")
         self.assertTrue((dark <= bright).all())
         self.assertLess(dark.sum(), 0.97 * bright.sum())
-        self.representation.Shade = 0
+        self.representation.ShadeIsosurfaces = 0
         flat = self.picture("unlit")
         self.representation.AmbientOcclusionSamples = 0
         self.assertTrue(scene.close((flat, self.picture("unlit-again"))))
@@ -248,11 +248,38 @@ grid.GetCellData().AddArray(array)
         self.representation.BlendMode = "Isosurface"
         self.representation.IsosurfaceValues = [6.5]
         shaded = self.picture("shaded")
-        self.representation.Shade = 0
+        self.representation.ShadeIsosurfaces = 0
         flat = self.picture("flat")
         self.assertEqual({0, 255}, set(numpy.unique(flat)))
         self.assertGreater(len(numpy.unique(shaded)), 10)
         self.assertTrue((scene.drawn(flat) == scene.drawn(shaded)).all())
+
+    def test_light(self):
+        """ParaView's Shade, off by default: what faces away from the lights is darker, all is without their light."""
+        self.show(rgb=(1, 1, 1), opacity=0.9)
+        self.assertEqual(0, self.representation.Shade)
+        flat = self.picture("unlit-volume")
+        self.representation.Shade = 1
+        lit = self.picture("lit-volume")
+        self.assertTrue((lit <= flat + 1.6).all())
+        self.assertLess(lit.sum(), 0.98 * flat.sum())
+        self.representation.Diffuse = 0
+        self.assertEqual(0, self.picture("dark").max())
+
+    def test_blend_modes(self):
+        """Of one value everywhere they are known."""
+        self.show(rgb=(1, 0, 0), opacity=0.5)
+        self.representation.ScalarOpacityUnitDistance = 4
+        for mode in ("Maximum Intensity", "Minimum Intensity"):
+            self.representation.BlendMode = mode
+            picture = self.picture(mode)
+            drawn = picture[scene.drawn(picture)]
+            self.assertTrue((abs(drawn - numpy.array([127.5, 0, 0])) < 1.6).all(), mode)
+        for mode in ("Average Intensity", "Additive"):
+            self.representation.BlendMode = mode
+            picture = self.picture(mode)
+            self.assertTrue((picture[..., 0] == picture[..., 1]).all(), mode)
+            self.assertGreater(len(numpy.unique(picture)), 10)
 
     def test_categories(self):
         """Opaque, they are seen as on the surface of the grid."""

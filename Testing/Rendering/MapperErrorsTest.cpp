@@ -204,10 +204,10 @@ TEST_F(MapperErrorsTest, pointData)
 
 TEST_F(MapperErrorsTest, blendModes)
 {
-  for (const int mode : { 1, 2, 3, 4, 6 })
+  for (const int mode : { -1, 6 })
   {
     expectVolumeError(
-      { "blend mode " + std::to_string(mode), "0 (composite) and 5 (isosurface)" },
+      { "blend mode " + std::to_string(mode), "0 (composite)", "5 (isosurface)" },
       [&] { volumeMapper_->SetBlendMode(mode); }, [&] { volumeMapper_->SetBlendModeToComposite(); });
   }
 }

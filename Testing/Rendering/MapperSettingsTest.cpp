@@ -170,9 +170,7 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
   EXPECT_EQ(scene_.render(), expected);
   EXPECT_TRUE(messages.warnings.empty());
   const std::vector<std::pair<std::string, std::function<void()>>> settings{
-    { "Shade", [&] { property->ShadeOn(); } },
     { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
-    { "GradientOpacity", [&] { property->SetGradientOpacity(function); } },
     { "TransferFunctionMode", [&] { property->SetTransferFunctionModeTo2D(); } },
     { "IndependentComponents", [&] { property->IndependentComponentsOff(); } },
     { "SetColor(1, ...)", [&] { property->SetColor(1, colors); } },
@@ -216,14 +214,42 @@ TEST_F(MapperSettingsTest, selectionsPassThroughVolumes)
   volumeMapper_->RemoveAllObservers();
 }
 
-// There Shade has something to light.
-TEST_F(MapperSettingsTest, shadeOfIsosurfacesInTheVolume)
+TEST_F(MapperSettingsTest, lightAndBlendModesHaveAnEffectWithoutAWord)
 {
   MessageCounter messages(volumeMapper_);
-  volume_->GetProperty()->ShadeOn();
-  volumeMapper_->ShowIsosurfacesOn();
-  scene_.render();
+  vtkVolumeProperty* property = volume_->GetProperty();
+  vtkNew<vtkPiecewiseFunction> function;
+  function->AddPoint(0., 0.1);
+  function->AddPoint(0.1, 0.5);
+  vtkNew<vtkPiecewiseFunction> opacities;
+  opacities->AddPoint(-1., 0.1);
+  opacities->AddPoint(1., 0.8);
+  property->SetScalarOpacity(opacities);
+  auto last = scene_.render();
+  const auto expectOther = [&](const char* name) {
+    const auto picture = scene_.render();
+    EXPECT_TRUE(picture != last) << name;
+    last = picture;
+  };
+  property->ShadeOn();
+  expectOther("Shade");
+  property->SetDiffuse(0.3);
+  expectOther("Diffuse");
+  property->SetGradientOpacity(function);
+  expectOther("GradientOpacity");
+  for (const int mode : { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND, vtkVolumeMapper::MINIMUM_INTENSITY_BLEND,
+         vtkVolumeMapper::AVERAGE_INTENSITY_BLEND, vtkVolumeMapper::ADDITIVE_BLEND })
+  {
+    volumeMapper_->SetBlendMode(mode);
+    expectOther("BlendMode");
+  }
   EXPECT_TRUE(messages.warnings.empty());
+  // What such pictures cannot hold, or categories not have, is said.
+  volumeMapper_->ShowIsosurfacesOn();
+  EXPECT_TRUE(scene_.render() == last);
+  ASSERT_EQ(messages.warnings.size(), 1u);
+  EXPECT_NE(messages.warnings[0].find("ShowIsosurfaces"), std::string::npos);
+  EXPECT_TRUE(messages.errors.empty());
   volumeMapper_->RemoveAllObservers();
 }
 

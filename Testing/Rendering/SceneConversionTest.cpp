@@ -545,7 +545,7 @@ TEST_F(TransferFunctionTest, surfaceMaterials)
       for (const double scale : { 0., 0.5, 1., 3. })
       {
         const std::vector<SurfaceMaterial> surfaces =
-          convertSurfaceMaterials(property, isovalues, scale, { Light() });
+          convertSurfaceMaterials(property, isovalues, scale, shaded, { Light() });
         ASSERT_EQ(surfaces.size(), isovalues.size());
         for (std::size_t i = 0; i < surfaces.size(); ++i)
         {

@@ -2,9 +2,11 @@
 
 #include "Geometry/RayBox.h"
 #include "Geometry/Trilinear.h"
+#include "Interpolation/BlockGradients.h"
 #include "Interpolation/VertexValues.h"
 #include "Octree/TreePath.h"
 #include "Support/LineIntegral.h"
+#include "Support/VolumeLight.h"
 
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/combinable.h>
@@ -35,6 +37,11 @@ struct TileRay
   double transmittance;
   std::array<double, 4> color; // and opacity: one minus the transmittance has no digits for faint things
   std::span<const TranslucentHit> hits; // to come
+  // Of blends of values:
+  Ray ray{};
+  double extreme = std::numeric_limits<double>::quiet_NaN(); // value
+  double sum = 0.;                                           // of opacity times value in the field's range times length
+  double length = 0.;                                        // that counts
 };
 
 /// The field inside a leaf from its 27 vertex values.
@@ -67,6 +74,60 @@ private:
   Range range_;
 };
 
+/// The gradient inside a leaf from those at its 27 vertices.
+class LeafGradient
+{
+public:
+  /// path: to a leaf; zero where it has no parent.
+  LeafGradient(TreePath& path, GradientEvaluator& evaluator)
+  {
+    if (path.depth() == 0)
+    {
+      return;
+    }
+    const int octant = octantAbove(path.index(), 0);
+    path.ascend();
+    BlockVertices vertices{};
+    for (int v = 0; v < 27; ++v)
+    {
+      add(vertices, v % 3 + 2 * sideOf(octant, 0), v / 3 % 3 + 2 * sideOf(octant, 1), v / 9 + 2 * sideOf(octant, 2));
+    }
+    BlockGradients gradients{};
+    evaluator.compute(BlockPath(path), BlockCells::Leaves, vertices, gradients);
+    for (int v = 0; v < 27; ++v)
+    {
+      const Vec3& from = gradients[block::vertexIndex(
+        v % 3 + 2 * sideOf(octant, 0), v / 3 % 3 + 2 * sideOf(octant, 1), v / 9 + 2 * sideOf(octant, 2))];
+      for (int a = 0; a < 3; ++a)
+      {
+        components_[a][v] = from[a];
+      }
+    }
+    path.descend(octant);
+  }
+  /// p: as LeafField has it.
+  Vec3 operator()(const std::array<double, 3>& p) const noexcept
+  {
+    int base = 0;
+    std::array<double, 3> f;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = p[a] >= 1.;
+      base += upper ? leafVertexStride[a] : 0;
+      f[a] = std::clamp(p[a] - upper, 0., 1.);
+    }
+    Vec3 gradient;
+    for (int a = 0; a < 3; ++a)
+    {
+      gradient[a] = trilinear(cornersOf(components_[a].data() + base, leafVertexStride), f);
+    }
+    return gradient;
+  }
+
+private:
+  std::array<std::array<double, 27>, 3> components_{};
+};
+
 class TileRenderer
 {
 public:
@@ -80,6 +141,9 @@ public:
     , line_(converged ? std::make_optional<LineIntegral>(transferFunction) : std::nullopt)
     , ranges_(settings.skipEmpty ? &field.nodeRanges() : nullptr)
     , path_(field.octree())
+    , isLit_(settings.blend == VolumeBlend::Composite && !transferFunction.hasCategories() &&
+        (settings.shading || settings.gradientOpacity))
+    , evaluator_(field)
   {
   }
 
@@ -96,6 +160,7 @@ public:
         const Ray ray = camera_.ray(x, y);
         TileRay tileRay{ SlabRay(ray), stops_.parts(camera_, ray, x, y), 1., {}, {} };
         tileRay.slab.enterUpperFaces(field_.octree().grid().bounds());
+        tileRay.ray = ray;
         if (stops_.hits)
         {
           const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
@@ -119,6 +184,7 @@ public:
     for (TileRay& ray : rays_)
     {
       crossHits(ray, std::numeric_limits<double>::infinity());
+      blend(ray);
     }
     for (int y = y0, r = 0; y < y1; ++y)
     {
@@ -151,6 +217,99 @@ private:
     while (!hits.empty() && !(hits.back().t < camera_.tFromDepth(ray, end)))
     {
       hits = hits.first(hits.size() - 1);
+    }
+  }
+
+  double opacityOf(double value) const noexcept
+  {
+    return -std::expm1(
+      -static_cast<double>(transferFunction_.at(static_cast<float>(value)).extinction) * settings_.unitDistance);
+  }
+  double inRange(double value) const noexcept
+  {
+    const Range range = field_.range();
+    return (value - range.min) / (static_cast<double>(range.max) - range.min);
+  }
+
+  /// The colour of what a ray has of values.
+  void blend(TileRay& ray) const noexcept
+  {
+    switch (settings_.blend)
+    {
+      case VolumeBlend::Maximum:
+      case VolumeBlend::Minimum:
+        if (!std::isnan(ray.extreme))
+        {
+          const TransferFunction::Entry e = transferFunction_.at(static_cast<float>(ray.extreme));
+          const double opacity = opacityOf(ray.extreme);
+          ray.color = { opacity * e.r, opacity * e.g, opacity * e.b, opacity };
+        }
+        break;
+      case VolumeBlend::Average:
+        if (ray.length > 0.)
+        {
+          const double grey = std::clamp(ray.sum / ray.length, 0., 1.);
+          ray.color = { grey, grey, grey, 1. };
+        }
+        break;
+      case VolumeBlend::Additive:
+      {
+        const Bounds domain = field_.octree().grid().bounds();
+        bool meets = false;
+        for (int i = 0; i < ray.parts.count; ++i)
+        {
+          double t0 = ray.parts.begin[i];
+          double t1 = ray.parts.end[i];
+          meets = meets || (ray.slab.clip(domain.min, domain.max, t0, t1) && t0 < t1);
+        }
+        if (meets)
+        {
+          const double grey = std::clamp(ray.sum / settings_.unitDistance, 0., 1.);
+          ray.color = { grey, grey, grey, 1. };
+        }
+        break;
+      }
+      default:
+        break;
+    }
+  }
+
+  void addExtreme(TileRay& ray, double value) const noexcept
+  {
+    if (std::isnan(ray.extreme) ||
+      (settings_.blend == VolumeBlend::Maximum ? value > ray.extreme : value < ray.extreme))
+    {
+      ray.extreme = value;
+    }
+  }
+
+  /// Of a leaf's way of `length`, `samples` times.
+  template <class FieldAt>
+  void addValues(TileRay& ray, const FieldAt& fieldAt, const std::array<double, 5>& ends, double length,
+    int samples) const noexcept
+  {
+    if (settings_.blend == VolumeBlend::Maximum || settings_.blend == VolumeBlend::Minimum)
+    {
+      // Smooth between the ends, where the least and the largest values may be.
+      constexpr int parts = 256;
+      for (std::size_t i = 0; i + 1 < ends.size(); ++i)
+      {
+        for (int p = 0; p <= parts && ends[i] < ends[i + 1]; ++p)
+        {
+          addExtreme(ray, fieldAt(std::lerp(ends[i], ends[i + 1], static_cast<double>(p) / parts)));
+        }
+      }
+      return;
+    }
+    for (int i = 0; i < samples; ++i)
+    {
+      const double value = fieldAt((i + 0.5) / samples);
+      const Range& counted = settings_.averageRange;
+      if (settings_.blend == VolumeBlend::Additive || (value >= counted.min && value <= counted.max))
+      {
+        ray.sum += opacityOf(value) * inRange(value) * length / samples;
+        ray.length += length / samples;
+      }
     }
   }
 
@@ -193,7 +352,7 @@ private:
     if (node.isInner() && ranges_)
     {
       range = ranges_->of(node.index(), parent);
-      if (!transferFunction_.isVisible(range))
+      if (settings_.blend == VolumeBlend::Composite && !transferFunction_.isVisible(range))
       {
         return;
       }
@@ -258,11 +417,16 @@ private:
       ++statistics_.cells;
     }
     const Range range = hull(values);
-    if (settings_.skipEmpty && !transferFunction_.isVisible(range))
+    if (settings_.skipEmpty && settings_.blend == VolumeBlend::Composite &&
+      !transferFunction_.isVisible(range))
     {
       return;
     }
     const LeafField leafField(values, range);
+    if (isLit_)
+    {
+      gradient_.emplace(path_, evaluator_);
+    }
     std::array<double, 3> halfWidths; // per data coordinate
     for (int a = 0; a < 3; ++a)
     {
@@ -318,15 +482,21 @@ private:
       return leafField(
         { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] });
     };
+    std::array<double, 5> ends{ 0., 1., 1., 1., 1. };
+    for (int a = 0; a < 3; ++a)
+    {
+      ends[a + 1] = std::clamp((1. - position[a]) / perLength[a], 0., 1.); // the middle of the leaf
+      ends[a + 1] = std::isnan(ends[a + 1]) ? 1. : ends[a + 1];
+    }
+    std::sort(ends.begin(), ends.end());
+    if (settings_.blend != VolumeBlend::Composite)
+    {
+      addValues(ray, fieldAt, ends, length, samples);
+      statistics_.samples += samples;
+      return;
+    }
     if (line_)
     {
-      std::array<double, 5> ends{ 0., 1., 1., 1., 1. };
-      for (int a = 0; a < 3; ++a)
-      {
-        ends[a + 1] = std::clamp((1. - position[a]) / perLength[a], 0., 1.); // the middle of the leaf
-        ends[a + 1] = std::isnan(ends[a + 1]) ? 1. : ends[a + 1];
-      }
-      std::sort(ends.begin(), ends.end());
       for (std::size_t i = 0; i + 1 < ends.size(); ++i)
       {
         if (ends[i] < ends[i + 1])
@@ -344,10 +514,27 @@ private:
       {
         continue;
       }
-      const double weight = ray.transmittance * -std::expm1(-e.extinction * step);
-      ray.color[0] += weight * e.r;
-      ray.color[1] += weight * e.g;
-      ray.color[2] += weight * e.b;
+      std::array<double, 3> color{ e.r, e.g, e.b };
+      double extinction = e.extinction;
+      if (isLit_)
+      {
+        const Vec3 gradient = (*gradient_)(
+          { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] });
+        if (settings_.gradientOpacity)
+        {
+          extinction *= gradientOpacity(*settings_.gradientOpacity, gradient);
+        }
+        if (settings_.shading)
+        {
+          color = lightVolume(
+            *settings_.shading, pointAt(ray.ray, interval[0] + f * length), gradient, color);
+        }
+      }
+      const double weight = ray.transmittance * -std::expm1(-extinction * step);
+      for (int c = 0; c < 3; ++c)
+      {
+        ray.color[c] += weight * color[c];
+      }
       ray.color[3] += weight;
       ray.transmittance -= weight;
     }
@@ -405,6 +592,9 @@ private:
   std::array<std::array<double, 2>, 64> leafInterval_; // t of entry and exit by ray
   Vec3 direction_;
   VolumeStatistics statistics_;
+  bool isLit_;
+  GradientEvaluator evaluator_;
+  std::optional<LeafGradient> gradient_; // of the leaf, while it is lit
 };
 
 VolumeStatistics render(const Field& field, const TransferFunction& transferFunction, const Camera& camera,

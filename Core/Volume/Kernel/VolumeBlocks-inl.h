@@ -14,7 +14,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
@@ -38,8 +40,33 @@ struct Block
   bool preIntegrate; // the places are those of the table's integrals
 };
 
+/// Whether loops sample the field's values rather than places in the transfer function's table.
+constexpr bool samplesValues(VolumeLoop loop)
+{
+  return loop == VolumeLoop::Extreme || loop == VolumeLoop::Sum;
+}
+
+/// Whether something of a range takes part in a ray, whatever the ray has.
+template <VolumeLoop Loop>
+HWY_INLINE bool isWanted(const VolumeKernelScene& scene, const Range& range)
+{
+  if constexpr (Loop == VolumeLoop::Extreme)
+  {
+    return true;
+  }
+  if constexpr (Loop == VolumeLoop::Sum)
+  {
+    if (scene.settings.blend == VolumeBlend::Average)
+    {
+      const Range& counted = scene.settings.averageRange;
+      return range.max >= counted.min && range.min <= counted.max;
+    }
+  }
+  return scene.transferFunction.isVisible(range);
+}
+
 /// Of one thread.
-template <class Real>
+template <class Real, VolumeLoop Loop>
 class BlockSource
 {
 public:
@@ -67,7 +94,7 @@ public:
       compute(path, cells);
       range = values_.range;
     }
-    if (scene_.settings.skipEmpty && !scene_.transferFunction.isVisible(range))
+    if (scene_.settings.skipEmpty && !isWanted<Loop>(scene_, range))
     {
       if (!found.record && hasSteps(range))
       {
@@ -101,6 +128,14 @@ public:
     return true;
   }
 
+  /// The place in the table of a value that fills a leaf.
+  Real placeOf(float value) const noexcept
+  {
+    return samplesValues(Loop)
+      ? static_cast<Real>((value - scene_.placeOrigin) * scene_.perValue)
+      : static_cast<Real>(scene_.transferFunction.position(value) * scene_.table.perEntry);
+  }
+
   /// Of one place in the table.
   Block<Real> constant(Real position, Real variation, bool preIntegrate = false) const noexcept
   {
@@ -123,6 +158,11 @@ private:
   /// hides where the function bends.
   bool isCoarse(const Block<Real>& block) const
   {
+    if constexpr (samplesValues(Loop))
+    {
+      return !(std::abs(block.toTable.scale) * scaleToTable() <
+        4 / BlockRecord::steps * scene_.table.last * std::abs(scene_.perValue));
+    }
     if (block.preIntegrate)
     {
       return block.toTable.scale >
@@ -150,6 +190,11 @@ private:
   /// Where a block's hull lies in the table, and what lies there.
   HWY_INLINE void classify(const Range& range, double leafWidth, Block<Real>& block) const
   {
+    if constexpr (samplesValues(Loop))
+    {
+      classifyValues(range, block);
+      return;
+    }
     const TransferFunction& tf = scene_.transferFunction;
     const VolumeTable& table = scene_.table;
     const double scale = scaleToTable();
@@ -162,7 +207,11 @@ private:
     const auto firstEntry = static_cast<std::size_t>(first);
     const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
     const double variation = table.variation[lastEntry] - table.variation[firstEntry];
-    block.variation = static_cast<Real>(variation);
+    // Light may change all that is seen, not only what differs in the table.
+    const double lit = Loop == VolumeLoop::Lit
+      ? variation + table.entries[firstEntry].extinction * std::numbers::ln2
+      : 0.;
+    block.variation = static_cast<Real>(variation + lit);
     block.preIntegrate = scene_.features.preIntegration &&
       (table.rough[lastEntry] > table.rough[firstEntry] || isFlat(width * scale) ||
         !pointsSuffice(scene_,
@@ -172,6 +221,16 @@ private:
     {
       classifyByIntegrals(range, block);
     }
+  }
+
+  void classifyValues(const Range& range, Block<Real>& block) const
+  {
+    const double first = (range.min - scene_.placeOrigin) * scene_.perValue;
+    const double last = (range.max - scene_.placeOrigin) * scene_.perValue;
+    block.toTable = { static_cast<Real>((last - first) / BlockRecord::steps), static_cast<Real>(first),
+      static_cast<Real>(std::min(first, last)), static_cast<Real>(std::max(first, last)) };
+    block.variation = 0x1p60; // no limit
+    block.preIntegrate = false;
   }
 
   /// Whether a function of nodes would be seen in few entries only, whose rounding does not even out.
@@ -190,8 +249,9 @@ private:
     constexpr double up = 1. + 0x1p-21;
     block.toTable = { static_cast<Real>(up * (last - first) / BlockRecord::steps), static_cast<Real>(first),
       static_cast<Real>(first), static_cast<Real>(last) };
+    const double lit = Loop == VolumeLoop::Lit ? static_cast<double>(block.variation) : 0.;
     block.variation =
-      static_cast<Real>(integrals.variation(integrals.rowOf(first), integrals.rowOf(last) + 1));
+      static_cast<Real>(integrals.variation(integrals.rowOf(first), integrals.rowOf(last) + 1) + lit);
   }
 
   /// Places in the table at once of the values computed last: a difference from a huge end of the hull would have lost
@@ -200,8 +260,12 @@ private:
   {
     constexpr double far = std::is_same_v<Real, float> ? farthestPlace : std::numeric_limits<double>::max();
     const bool byIntegrals = block.preIntegrate;
-    const double origin = byIntegrals ? scene_.table.integrals->reference() : scene_.transferFunction.min();
-    const double scale = byIntegrals ? scene_.table.integrals->placesPerValue() : scaleToTable();
+    const double origin = samplesValues(Loop) ? scene_.placeOrigin
+      : byIntegrals                           ? scene_.table.integrals->reference()
+                                              : scene_.transferFunction.min();
+    const double scale = samplesValues(Loop) ? scene_.perValue
+      : byIntegrals                          ? scene_.table.integrals->placesPerValue()
+                                             : scaleToTable();
     for (std::size_t i = 0; i < values_.values.size(); ++i)
     {
       exact_[i] = static_cast<Real>(std::clamp((values_.values[i] - origin) * scale, -far, far));

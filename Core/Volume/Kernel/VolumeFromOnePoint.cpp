@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE
 
 VolumeLoops LoopsFromOnePoint()
 {
-  return loopsOf<float, true>();
+  return loopsOf<float, RayOrigins::Common, VolumeLoop::Plain>();
 }
 
 } // namespace HWY_NAMESPACE

@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE
 
 VolumeLoops LoopsInDoubles()
 {
-  return loopsOf<double, false>();
+  return loopsOf<double, RayOrigins::Any, VolumeLoop::Plain>();
 }
 
 } // namespace HWY_NAMESPACE

@@ -11,6 +11,7 @@
 #endif
 
 #include "Volume/Kernel/IntegralTable.h"
+#include "Volume/Kernel/VolumeCubics-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
 
 #include <hwy/highway.h>
@@ -36,12 +37,6 @@ constexpr float partOfColors = 1.f / 16.f;
 constexpr float widestStep = 8.f;
 /// Halvings of a step at most.
 constexpr float shortestStep = 0x1p-14f;
-
-template <class Real>
-HWY_INLINE Reals<Real> half()
-{
-  return hn::Set(RealTag<Real>(), Real(0.5));
-}
 
 /// Places in the table, their rows, and the function there.
 template <class Real>
@@ -259,47 +254,6 @@ HWY_INLINE Emission<Real> emission(const Reals<Real> (&mean)[4], Reals<Real> dep
     hn::Mul(perExtinction, mean[2]), weight } };
 }
 
-/// Steps to the octants' faces, between which the field is smooth.
-template <class Real>
-class ToFaces
-{
-public:
-  explicit HWY_INLINE ToFaces(const Span<Real>& span)
-    : span_(span)
-  {
-    const RealTag<Real> d;
-    for (int a = 0; a < 3; ++a)
-    {
-      // Of a ray along a face none is ahead.
-      const Reals<Real> slope = hn::Mul(span.slope[a], span.step);
-      slope_[a] = hn::CopySign(hn::Max(hn::Abs(slope), hn::Set(d, Real(1e-20))), slope);
-      perSlope_[a] = hn::Div(hn::Set(d, Real(1)), slope_[a]);
-    }
-  }
-
-  /// In samples; `at`: of the way.
-  HWY_INLINE Reals<Real> operator()(Reals<Real> at) const
-  {
-    const RealTag<Real> d;
-    Reals<Real> nearest = hn::Set(d, std::numeric_limits<Real>::max());
-    for (int a = 0; a < 3; ++a)
-    {
-      const Reals<Real> position = mulAdd(at, slope_[a], span_.start[a]);
-      // Not to the face that it is on.
-      const Reals<Real> ahead = hn::Add(position, hn::CopySign(hn::Set(d, Real(0x1p-10)), slope_[a]));
-      const Reals<Real> face =
-        hn::IfThenElse(hn::Lt(slope_[a], hn::Zero(d)), hn::Floor(ahead), hn::Ceil(ahead));
-      nearest = hn::Min(nearest, hn::Mul(hn::Sub(face, position), perSlope_[a]));
-    }
-    return nearest;
-  }
-
-private:
-  const Span<Real>& span_;
-  Reals<Real> slope_[3]; // of the lattice per sample
-  Reals<Real> perSlope_[3];
-};
-
 /// How far colours have changed up to a place.
 template <class Real>
 HWY_INLINE Reals<Real> colorChange(const IntegralTable& table, const Places<Real>& places)
@@ -319,36 +273,22 @@ HWY_INLINE Reals<Real> turningPoint(const IntegralTable& table, const Places<Rea
   Reals<Real> quarter, const Places<Real>& middle, const Places<Real>& end, Mask<Real> asked)
 {
   const RealTag<Real> d;
-  const auto times = [d](Real factor, Reals<Real> v) { return hn::Mul(hn::Set(d, factor), v); };
   const Reals<Real> one = hn::Set(d, Real(1));
-  const Reals<Real> rise = hn::Sub(middle.at, begin.at);
-  // begin + slope u + bend u^2 + cubic u (u - 1/2) (u - 1)
-  const Reals<Real> bend = times(2, hn::Sub(hn::Sub(end.at, middle.at), rise));
-  const Reals<Real> slope = hn::Sub(times(2, rise), times(Real(0.5), bend));
-  const Reals<Real> ofParabola =
-    mulAdd(hn::Set(d, Real(0.25)), slope, mulAdd(hn::Set(d, Real(0.0625)), bend, begin.at));
-  const Reals<Real> cubic = times(Real(64) / 3, hn::Sub(quarter, ofParabola));
-  // Roots of the derivative, neither by a difference of near numbers.
-  const Reals<Real> a = times(3, cubic);
-  const Reals<Real> b = hn::Sub(times(2, bend), a);
-  const Reals<Real> c = mulAdd(half<Real>(), cubic, slope);
-  const Reals<Real> squared = hn::Sub(hn::Mul(b, b), times(4, hn::Mul(a, c)));
-  const Reals<Real> sum =
-    times(Real(-0.5), hn::Add(b, hn::CopySign(hn::Sqrt(hn::Max(squared, hn::Zero(d))), b)));
+  const CubicPiece<Real> piece(begin.at, quarter, middle.at, end.at);
+  const typename CubicPiece<Real>::Turns turns = piece.turns();
   Reals<Real> first = one;
-  for (const Reals<Real> root : { hn::Div(sum, a), hn::Div(c, sum) })
+  for (const Reals<Real> root : turns.at)
   {
     // Of the ends themselves nothing new is known. NaN is no place.
     constexpr Real least = 0.01;
-    const Mask<Real> isInside = hn::And(hn::And(asked, hn::Ge(squared, hn::Zero(d))),
+    const Mask<Real> isInside = hn::And(hn::And(asked, turns.areReal),
       hn::And(hn::Gt(root, hn::Set(d, least)), hn::Lt(root, hn::Set(d, 1 - least))));
     if (hn::AllFalse(d, isInside))
     {
       continue;
     }
     const Reals<Real> u = hn::IfThenElseZero(isInside, root);
-    const Reals<Real> shape = hn::Mul(hn::Mul(u, hn::Sub(u, half<Real>())), hn::Sub(u, one));
-    const Reals<Real> turn = mulAdd(cubic, shape, mulAdd(u, mulAdd(bend, u, slope), begin.at));
+    const Reals<Real> turn = piece(u);
     const Reals<Real> row = findRows<Real>(table, turn);
     const Mask<Real> isBeyond = hn::Or(hn::Lt(row, hn::Min(hn::Min(begin.row, middle.row), end.row)),
       hn::Gt(row, hn::Max(hn::Max(begin.row, middle.row), end.row)));
@@ -357,10 +297,34 @@ HWY_INLINE Reals<Real> turningPoint(const IntegralTable& table, const Places<Rea
   return first;
 }
 
-/// Takes rays through their samples; how many steps of the vector that took.
-template <class Real, class Values>
+/// The light of a step's halves and of its whole: that of its middle, unless nothing is seen there.
+template <class Real, class Lighting>
+HWY_INLINE void lightMeans(const Lighting& lighting, const Span<Real>& span, Reals<Real> middle,
+  const Lattice<Real>& lattice, Reals<Real> (&mean)[3][4])
+{
+  const RealTag<Real> d;
+  if (hn::AllFalse(d, hn::Gt(hn::Max(mean[0][3], mean[1][3]), hn::Zero(d))))
+  {
+    return;
+  }
+  const auto effect = lighting.at(locate(span, middle, lattice), hn::Mul(middle, span.step));
+  for (auto& terms : mean)
+  {
+    Reals<Real> color[3] = { terms[0], terms[1], terms[2] };
+    lighting.shade(effect, terms[3], color);
+    for (int c = 0; c < 3; ++c)
+    {
+      terms[c] = hn::Mul(color[c], effect.opacity);
+    }
+    terms[3] = hn::Mul(terms[3], effect.opacity);
+  }
+}
+
+/// Takes rays through their samples; how many steps of the vector that took. Lighting: as of takePoints().
+template <class Real, class Values, class Lighting>
 HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Real>& span, Real tolerance,
-  const Values& values, const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
+  const Values& values, const ToTable<Real>& toTable, const Lattice<Real>& lattice, const Lighting& lighting,
+  Light<Real>& light)
 {
   const RealTag<Real> d;
   const Reals<Real> zero = hn::Zero(d);
@@ -414,6 +378,10 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
       meanByIntegrals<Real>(table, before, sumsBefore, middle, sumsInMiddle, mean[0]);
       meanByIntegrals<Real>(table, middle, sumsInMiddle, after, sumsAfter, mean[1]);
       meanOfHalves<Real>(table, before, middle, after, mean);
+    }
+    if constexpr (Lighting::isLit)
+    {
+      lightMeans(lighting, span, ends[0], lattice, mean);
     }
     const Reals<Real> halfDepth = hn::Mul(halfSize, depthPerSample);
     const Emission<Real> first = emission<Real>(mean[0], halfDepth, light.transmittance);

@@ -6,6 +6,17 @@ namespace treeamr
 
 VolumeLoops volumeLoops(const SceneFeatures& features)
 {
+  switch (features.loop)
+  {
+    case VolumeLoop::Lit:
+      return features.doubles ? litVolumeLoopsInDoubles() : litVolumeLoops();
+    case VolumeLoop::Extreme:
+      return features.doubles ? extremeVolumeLoopsInDoubles() : extremeVolumeLoops();
+    case VolumeLoop::Sum:
+      return features.doubles ? sumVolumeLoopsInDoubles() : sumVolumeLoops();
+    default:
+      break;
+  }
   if (features.doubles)
   {
     return volumeLoopsInDoubles();

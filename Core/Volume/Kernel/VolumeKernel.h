@@ -2,22 +2,83 @@
 #pragma once
 
 #include "Interpolation/BlockCache.h"
+#include "Interpolation/GradientCache.h"
 #include "Volume/Kernel/VolumeTable.h"
 #include "Volume/Volume.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <span>
+#include <vector>
 
 namespace treeamr
 {
 
+/// What the kernel makes of a ray's samples; each compiled apart.
+enum class VolumeLoop
+{
+  Plain,   // composite, of the transfer function alone
+  Lit,     // composite, with light or gradient opacity
+  Extreme, // maximum or minimum
+  Sum      // average or additive
+};
+
+/// That settings ask for, of a field of categories or not.
+VolumeLoop volumeLoop(const VolumeSettings& settings, bool hasCategories) noexcept;
+
 /// What a frame needs beyond the common case, chosen once: what is absent costs nothing.
 struct SceneFeatures
 {
+  VolumeLoop loop = VolumeLoop::Plain;
   bool commonOrigin = true;    // all rays start at one point; compiled apart
   bool doubles = false;        // floats do not resolve the view, the domain or the values; compiled apart
   bool preIntegration = false; // some cell may vary more than samples of the table can follow
   bool categories = false;     // each leaf is one constant
+};
+
+struct VolumeKernelScene;
+
+/// Of VolumeShading, with its coefficients in the colours.
+struct KernelLight
+{
+  bool isAtEye; // shines along the lines of sight, as strong everywhere; then the rest but the colours is of no use
+  bool isPositional;
+  bool isCone;
+  Vec3 position;
+  Vec3 direction;
+  double coneCosine;
+  double exponent;
+  Vec3 attenuation;
+  Vec3 diffuse;
+  Vec3 specular;
+};
+
+/// VolumeShading and GradientOpacity in the kernel's terms. Points and lights are in the lights' coordinates, in units
+/// of about the domain's diagonal there.
+struct VolumeIllumination
+{
+  VolumeIllumination(const VolumeSettings& settings, const VolumeKernelScene& scene);
+
+  bool shades;
+  bool twoSided = true;
+  bool shines = false;      // has highlights
+  bool needsPoints = false; // for more than the way that rays go
+  bool seesAlongRays = false;
+  double ambient = 0.;
+  Vec3 ambientLight{};
+  double specularPower = 1.;
+  std::vector<KernelLight> lights;
+  std::array<Vec3, 3> normalFromGradient{};              // rows; up to a positive factor
+  std::array<std::array<double, 4>, 3> viewFromKernel{}; // rows
+  const float* gradientOpacity; // null: none
+  double entriesPerLength = 0.; // of a gradient as GradientCache scales them
+  double lastEntry = 0.;
+  double hiddenLength = -1.; // of gradients up to which gradient opacity is 0; negative: none
+
+private:
+  void place(const VolumeShading& shading, const VolumeKernelScene& scene);
+  void addLights(const VolumeShading& shading, double unit);
 };
 
 /// The kernel counts, in floats unless its features tell otherwise, from `reference`, in units that make the domain's
@@ -25,9 +86,10 @@ struct SceneFeatures
 /// digits.
 struct VolumeKernelScene
 {
-  /// Refers to all of these. The table's integrals are wanted when the features tell so.
+  /// Refers to all of these. The table's integrals are wanted when the features tell so. gradients: of lit loops.
   VolumeKernelScene(const Field& field, const TransferFunction& transferFunction, const VolumeTable& table,
-    const RayView& view, const VolumeSettings& settings, BlockCache& kept, Image* image);
+    const RayView& view, const VolumeSettings& settings, BlockCache& kept, GradientCache* gradients,
+    Image* image);
 
   const Field& field;
   const TransferFunction& transferFunction;
@@ -36,6 +98,7 @@ struct VolumeKernelScene
   const RayStops& stops;
   const VolumeSettings& settings;
   BlockCache& kept;
+  GradientCache* gradients; // null: nothing is lit
   Image* image;             // null: only groups of pixels are rendered
   const NodeRanges* ranges; // null: nothing is skipped
 
@@ -49,6 +112,11 @@ struct VolumeKernelScene
   /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
   double pixelWidth;
   double pixelGrowth;
+  std::optional<VolumeIllumination> illumination; // of lit loops
+  /// Of the loops that sample values themselves: their places are (value - placeOrigin) * perValue, 0 to 1 in the
+  /// field's range, in that of a minimum from the largest value to the smallest.
+  double placeOrigin;
+  double perValue;
 
 private:
   void place();
@@ -96,6 +164,12 @@ struct VolumeLoops
 VolumeLoops volumeLoopsFromOnePoint();
 VolumeLoops volumeLoopsOfAnyRays();
 VolumeLoops volumeLoopsInDoubles();
+VolumeLoops litVolumeLoops();
+VolumeLoops litVolumeLoopsInDoubles();
+VolumeLoops extremeVolumeLoops();
+VolumeLoops extremeVolumeLoopsInDoubles();
+VolumeLoops sumVolumeLoops();
+VolumeLoops sumVolumeLoopsInDoubles();
 /// That a scene needs.
 VolumeLoops volumeLoops(const SceneFeatures& features);
 

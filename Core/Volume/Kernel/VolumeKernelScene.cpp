@@ -3,13 +3,141 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace treeamr
 {
 
+VolumeLoop volumeLoop(const VolumeSettings& settings, bool hasCategories) noexcept
+{
+  switch (settings.blend)
+  {
+    case VolumeBlend::Maximum:
+    case VolumeBlend::Minimum:
+      return VolumeLoop::Extreme;
+    case VolumeBlend::Average:
+    case VolumeBlend::Additive:
+      return VolumeLoop::Sum;
+    default:
+      return !hasCategories && (settings.shading || settings.gradientOpacity) ? VolumeLoop::Lit
+                                                                              : VolumeLoop::Plain;
+  }
+}
+
+VolumeIllumination::VolumeIllumination(const VolumeSettings& settings, const VolumeKernelScene& scene)
+  : shades(settings.shading.has_value())
+  , gradientOpacity(nullptr)
+{
+  if (settings.gradientOpacity)
+  {
+    const GradientOpacity& function = *settings.gradientOpacity;
+    gradientOpacity = function.entries.data();
+    lastEntry = static_cast<double>(function.entries.size() - 1);
+    const double perGradient = scene.gradients->scale();
+    entriesPerLength = perGradient > 0. ? lastEntry / (function.longest * perGradient) : 0.;
+    const auto visible = std::find_if(
+      function.entries.begin(), function.entries.end(), [](float entry) { return entry > 0.f; });
+    const auto hidden = static_cast<double>(visible - function.entries.begin());
+    hiddenLength = visible == function.entries.end() ? std::numeric_limits<double>::infinity()
+      : hidden > 0. && entriesPerLength > 0.         ? (hidden - 1.) / entriesPerLength
+                                                     : -1.;
+  }
+  if (settings.shading)
+  {
+    place(*settings.shading, scene);
+  }
+}
+
+void VolumeIllumination::place(const VolumeShading& shading, const VolumeKernelScene& scene)
+{
+  twoSided = shading.twoSided;
+  ambient = shading.ambient;
+  specularPower = shading.specularPower;
+  std::copy_n(shading.ambientLight.begin(), 3, ambientLight.begin());
+  const Matrix4& m = shading.lightsFromData;
+  std::array<Vec3, 3> rows; // of directions
+  double unit = 0.;         // of a kernel unit's length in the lights' coordinates
+  for (int r = 0; r < 3; ++r)
+  {
+    rows[r] = { m[4 * r], m[4 * r + 1], m[4 * r + 2] };
+    unit = std::max(unit, std::sqrt(dot(rows[r], rows[r])) / scene.dataScale);
+  }
+  unit = unit > 0. ? unit : 1.; // a matrix of zeros takes all to the eye
+  const auto inUnits = [&](int r, const Vec3& point) { return (dot(rows[r], point) + m[4 * r + 3]) / unit; };
+  std::array<Vec3, 3> directions;
+  for (int r = 0; r < 3; ++r)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      directions[r][a] = viewFromKernel[r][a] = rows[r][a] / scene.dataScale / unit;
+    }
+    viewFromKernel[r][3] = inUnits(r, scene.reference);
+  }
+  // The inverse transpose, up to a positive factor: a mirrored volume keeps its sides.
+  const double side = dot(directions[0], cross(directions[1], directions[2])) < 0. ? -1. : 1.;
+  for (int r = 0; r < 3; ++r)
+  {
+    normalFromGradient[r] = cross(directions[(r + 1) % 3], directions[(r + 2) % 3]);
+  }
+  double largest = 0.;
+  for (const Vec3& row : normalFromGradient)
+  {
+    largest = std::max({ largest, std::abs(row[0]), std::abs(row[1]), std::abs(row[2]) });
+  }
+  for (Vec3& row : normalFromGradient)
+  {
+    for (double& component : row)
+    {
+      component = largest > 0. ? side * component / largest : 0.;
+    }
+  }
+  const Ray central = scene.camera.ray(scene.camera.width() / 2, scene.camera.height() / 2);
+  double fromOrigin = 0.; // of the eye, where the lights' coordinates have it
+  for (int r = 0; r < 3; ++r)
+  {
+    fromOrigin = std::max(fromOrigin, std::abs(inUnits(r, central.origin)));
+  }
+  constexpr double rounding = 1e-6;
+  seesAlongRays = scene.camera.isPerspective() && fromOrigin < rounding;
+  addLights(shading, unit);
+  needsPoints = !seesAlongRays || std::any_of(lights.begin(), lights.end(), [](const KernelLight& light) {
+    return !light.isAtEye && light.isPositional;
+  });
+}
+
+void VolumeIllumination::addLights(const VolumeShading& shading, double unit)
+{
+  for (const Light& from : shading.lights)
+  {
+    KernelLight light{};
+    light.isPositional = from.positional;
+    light.isCone = from.positional && from.coneAngle < 90.;
+    light.direction = from.direction;
+    light.coneCosine = std::cos(from.coneAngle * std::numbers::pi / 180.);
+    light.exponent = from.exponent;
+    light.attenuation = { from.attenuation[0], from.attenuation[1] * unit,
+      from.attenuation[2] * unit * unit };
+    light.isAtEye = from.positional && !light.isCone && from.position == Vec3{} &&
+      from.attenuation == Vec3{ 1., 0., 0. };
+    bool shinesOn = false;
+    for (int c = 0; c < 3; ++c)
+    {
+      light.position[c] = from.position[c] / unit;
+      light.diffuse[c] = shading.diffuse * from.color[c];
+      light.specular[c] = shading.specular * from.specularColor[c];
+      shines = shines || light.specular[c] != 0.;
+      shinesOn = shinesOn || light.diffuse[c] != 0. || light.specular[c] != 0.;
+    }
+    if (shinesOn)
+    {
+      lights.push_back(light);
+    }
+  }
+}
+
 VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction& transferFunction,
   const VolumeTable& table, const RayView& view, const VolumeSettings& settings, BlockCache& kept,
-  Image* image)
+  GradientCache* gradients, Image* image)
   : field(field)
   , transferFunction(transferFunction)
   , table(table)
@@ -17,6 +145,7 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   , stops(view.stops)
   , settings(settings)
   , kept(kept)
+  , gradients(gradients)
   , image(image)
   , ranges(settings.skipEmpty ? &field.nodeRanges() : nullptr)
 {
@@ -24,9 +153,18 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   measurePixels();
   features.doubles = settings.doubles || !table.fitsSinglePrecision || !resolves();
   features.categories = transferFunction.hasCategories();
-  if (!features.categories && settings.preIntegration)
+  features.loop = volumeLoop(settings, features.categories);
+  const double width = static_cast<double>(field.range().max) - field.range().min;
+  const bool isMinimum = settings.blend == VolumeBlend::Minimum;
+  placeOrigin = isMinimum ? field.range().max : field.range().min;
+  perValue = width > 0. ? (isMinimum ? -1. : 1.) / width : 0.;
+  if (features.loop == VolumeLoop::Lit)
   {
-    const double width = static_cast<double>(field.range().max) - field.range().min;
+    illumination.emplace(settings, *this);
+  }
+  const bool isComposite = settings.blend == VolumeBlend::Composite;
+  if (isComposite && !features.categories && settings.preIntegration)
+  {
     const HullTerms all{ table.variation.back(), table.curvature.back(),
       std::max<double>(table.last, width * transferFunction.scale() * table.perEntry) };
     features.preIntegration = !transferFunction.nodes().empty() || table.rough.back() > 0 ||

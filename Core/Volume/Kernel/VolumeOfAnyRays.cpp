@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE
 
 VolumeLoops LoopsOfAnyRays()
 {
-  return loopsOf<float, false>();
+  return loopsOf<float, RayOrigins::Any, VolumeLoop::Plain>();
 }
 
 } // namespace HWY_NAMESPACE

@@ -32,11 +32,20 @@ using GroupMask = std::uint32_t;
 
 constexpr float opaque = 1.f - opaqueTransmittance;
 
-/// Real: of lanes. CommonOrigin: all rays start at the scene's reference.
-template <class Real, bool CommonOrigin>
+/// Where rays start.
+enum class RayOrigins
+{
+  Common, // at the scene's reference
+  Any,
+  Either // as the scene tells; counted as any are
+};
+
+/// Real: of lanes.
+template <class Real, RayOrigins Origins>
 class TileRays
 {
 public:
+  static constexpr bool startAtReference = Origins == RayOrigins::Common;
   static constexpr Real infinity = std::numeric_limits<Real>::infinity();
   static constexpr Real finished = -std::numeric_limits<Real>::max();
 
@@ -61,9 +70,12 @@ public:
   /// Starts with those of the tile at (x0, y0); the groups of which a ray has a part to draw.
   GroupMask makeRays(int x0, int y0)
   {
-    if constexpr (CommonOrigin)
+    if constexpr (Origins != RayOrigins::Any)
     {
-      makeFan(x0, y0);
+      if (isFan())
+      {
+        makeFan(x0, y0);
+      }
     }
     parts_ = 1;
     const bool isCut = hasHits_ || !scene_.stops.cut.isEmpty();
@@ -83,7 +95,7 @@ public:
         end_[0][r] = finished;
         continue;
       }
-      if (CommonOrigin && !isCut && !scene_.stops.beginDepth && !scene_.stops.endDepth)
+      if (isFan() && !isCut && !scene_.stops.beginDepth && !scene_.stops.endDepth)
       {
         active |= GroupMask(1) << r / groupRays;
         ++drawnRays_;
@@ -97,7 +109,7 @@ public:
         end_[0][r] = finished;
         continue;
       }
-      if constexpr (CommonOrigin)
+      if (isFan())
       {
         begin_[0][r] = fanT(x, y, begin);
         end_[0][r] = fanT(x, y, end);
@@ -145,7 +157,7 @@ public:
   {
     const RealTag<Real> d;
     Reals<Real> distance = hn::Set(d, plane);
-    if (!CommonOrigin)
+    if (!startAtReference)
     {
       distance = hn::Sub(distance, hn::Load(d, origin_[axis] + ray));
     }
@@ -208,7 +220,7 @@ public:
     }
   }
 
-  HWY_ALIGN Real origin_[3][tileRays] = {}; // unless common
+  HWY_ALIGN Real origin_[3][tileRays] = {}; // zero in a fan
   HWY_ALIGN Real direction_[3][tileRays] = {};
   HWY_ALIGN Real inverse_[3][tileRays] = {};
   HWY_ALIGN Real begin_[RayParts::most][tileRays] = {};
@@ -224,6 +236,12 @@ public:
   std::uint64_t drawnRays_ = 0;       // of all tiles so far
 
 private:
+  /// Whether the rays are made from the scene's fan.
+  bool isFan() const noexcept
+  {
+    return Origins == RayOrigins::Either ? scene_.features.commonOrigin : startAtReference;
+  }
+
   /// Finds the ray's hits, and leaves its parts.
   void cut(int r, int x, int y)
   {
@@ -244,7 +262,7 @@ private:
     }
     if (!scene_.stops.cut.isEmpty())
     {
-      const RayParts parts = CommonOrigin ? cutFan(r, x, y) : cutRay(r, x, y);
+      const RayParts parts = isFan() ? cutFan(r, x, y) : cutRay(r, x, y);
       while (parts_ < parts.count)
       {
         std::fill_n(end_[parts_++], tileRays, finished);
@@ -394,7 +412,7 @@ private:
   Real hitT(int r, std::size_t hit) const noexcept
   {
     const double t = scene_.stops.hits->hits[hit].t;
-    return CommonOrigin ? static_cast<Real>(t * scene_.dataScale / lengthPerT_[r]) : tToKernel(t);
+    return isFan() ? static_cast<Real>(t * scene_.dataScale / lengthPerT_[r]) : tToKernel(t);
   }
 
   /// For each of a node's children the groups of which a ray crosses it. OnePart: no ray of the tile has more.

@@ -296,45 +296,81 @@ struct Span
   Reals<Real> samples; // 0 for rays that miss the box
 };
 
-/// The field after `Count` numbers of steps, as positions in the table. Side by side, because a single chain of
-/// loads leaves the processor waiting.
-template <int Count, class Real, class Values>
-HWY_INLINE void sample(const Span<Real>& span, const Reals<Real> (&steps)[Count], const Values& values,
-  const ToTable<Real>& toTable, const Lattice<Real>& lattice, Reals<Real> (&position)[Count])
+/// Where in an octant rays are: its lowest vertex, and parts of its width.
+template <class Real>
+struct Spot
+{
+  Ints<Real> vertex;
+  Reals<Real> f[3];
+};
+
+/// The octants in which rays are after `steps`, as far as the lattice goes.
+template <class Real>
+HWY_INLINE Spot<Real> locate(const Span<Real>& span, Reals<Real> steps, const Lattice<Real>& lattice)
 {
   const RealTag<Real> d;
-  Reals<Real> f[Count][3];
-  Ints<Real> vertex[Count];
-  for (int k = 0; k < Count; ++k)
+  Spot<Real> spot;
+  const Reals<Real> along = hn::Mul(steps, span.step);
+  Reals<Real> cell[3];
+  for (int a = 0; a < 3; ++a)
   {
-    const Reals<Real> along = hn::Mul(steps[k], span.step);
-    Reals<Real> cell[3];
-    for (int a = 0; a < 3; ++a)
-    {
-      const Reals<Real> at = mulAdd(along, span.slope[a], span.start[a]);
-      cell[a] = hn::Min(hn::Max(hn::Floor(at), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
-      f[k][a] = hn::Sub(at, cell[a]);
-    }
-    vertex[k] =
-      truncated<Real>(mulAdd(mulAdd(cell[2], hn::Set(d, Real(5)), cell[1]), hn::Set(d, Real(5)), cell[0]));
+    const Reals<Real> at = mulAdd(along, span.slope[a], span.start[a]);
+    cell[a] = hn::Min(hn::Max(hn::Floor(at), hn::Set(d, lattice.first[a])), hn::Set(d, lattice.last[a]));
+    spot.f[a] = hn::Sub(at, cell[a]);
   }
+  spot.vertex =
+    truncated<Real>(mulAdd(mulAdd(cell[2], hn::Set(d, Real(5)), cell[1]), hn::Set(d, Real(5)), cell[0]));
+  return spot;
+}
+
+/// Between an octant's vertices, as Values::pairs() gives them.
+template <class Real>
+HWY_INLINE Reals<Real> between(
+  const Reals<Real> (&f)[3], const Reals<Real> (&lower)[4], const Reals<Real> (&upper)[4])
+{
+  const Reals<Real> low = lerp(f[1], lerp(f[0], lower[0], upper[0]), lerp(f[0], lower[1], upper[1]));
+  const Reals<Real> high = lerp(f[1], lerp(f[0], lower[2], upper[2]), lerp(f[0], lower[3], upper[3]));
+  return lerp(f[2], low, high);
+}
+
+template <class Real>
+HWY_INLINE Reals<Real> inTable(const ToTable<Real>& toTable, Reals<Real> value)
+{
+  const RealTag<Real> d;
+  const Reals<Real> position = mulAdd(value, hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
+  // Rounding must not leave the hull by which nodes are skipped.
+  return hn::Min(hn::Max(position, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
+}
+
+/// The field at `Count` spots, as positions in the table. Side by side, because a single chain of loads leaves the
+/// processor waiting.
+template <int Count, class Real, class Values>
+HWY_INLINE void sample(const Spot<Real> (&spots)[Count], const Values& values, const ToTable<Real>& toTable,
+  Reals<Real> (&position)[Count])
+{
   Reals<Real> lower[Count][4];
   Reals<Real> upper[Count][4];
   for (int k = 0; k < Count; ++k)
   {
-    values.pairs(vertex[k], lower[k], upper[k]);
+    values.pairs(spots[k].vertex, lower[k], upper[k]);
   }
   for (int k = 0; k < Count; ++k)
   {
-    const Reals<Real> low =
-      lerp(f[k][1], lerp(f[k][0], lower[k][0], upper[k][0]), lerp(f[k][0], lower[k][1], upper[k][1]));
-    const Reals<Real> high =
-      lerp(f[k][1], lerp(f[k][0], lower[k][2], upper[k][2]), lerp(f[k][0], lower[k][3], upper[k][3]));
-    const Reals<Real> value =
-      mulAdd(lerp(f[k][2], low, high), hn::Set(d, toTable.scale), hn::Set(d, toTable.offset));
-    // Rounding must not leave the hull by which nodes are skipped.
-    position[k] = hn::Min(hn::Max(value, hn::Set(d, toTable.first)), hn::Set(d, toTable.last));
+    position[k] = inTable(toTable, between<Real>(spots[k].f, lower[k], upper[k]));
   }
+}
+
+/// The same after numbers of steps.
+template <int Count, class Real, class Values>
+HWY_INLINE void sample(const Span<Real>& span, const Reals<Real> (&steps)[Count], const Values& values,
+  const ToTable<Real>& toTable, const Lattice<Real>& lattice, Reals<Real> (&position)[Count])
+{
+  Spot<Real> spots[Count];
+  for (int k = 0; k < Count; ++k)
+  {
+    spots[k] = locate(span, steps[k], lattice);
+  }
+  sample(spots, values, toTable, position);
 }
 
 /// What rays have gathered so far.
@@ -348,19 +384,29 @@ struct Light
   Reals<Real> blue;
 };
 
+/// Of samples that show the table's entries as they are: see VolumeLight-inl.h for others.
+struct Unlit
+{
+  static constexpr bool isLit = false;
+  struct Effect
+  {
+  };
+};
+
 /// `Count` midpoint samples from step i on; how many of them were lit for any ray. entries: those of VolumeTable.
-template <int Count, class Real, class Values>
+/// Lighting: Unlit or LightOnRays.
+template <int Count, class Real, class Values, class Lighting>
 HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, const Values& values,
-  const ToTable<Real>& toTable, const Lattice<Real>& lattice, Light<Real>& light)
+  const ToTable<Real>& toTable, const Lattice<Real>& lattice, const Lighting& lighting, Light<Real>& light)
 {
   const RealTag<Real> d;
-  Reals<Real> steps[Count];
+  Spot<Real> spots[Count];
   for (int k = 0; k < Count; ++k)
   {
-    steps[k] = hn::Set(d, i + static_cast<Real>(k) + Real(0.5));
+    spots[k] = locate(span, hn::Set(d, i + static_cast<Real>(k) + Real(0.5)), lattice);
   }
   Reals<Real> position[Count];
-  sample(span, steps, values, toTable, lattice, position);
+  sample(spots, values, toTable, position);
   Ints<Real> entry[Count];
   Reals<Real> extinction[Count];
   Reals<Real> any = hn::Zero(d);
@@ -375,17 +421,41 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
   {
     return 0;
   }
+  [[maybe_unused]] typename Lighting::Effect effects[Count];
   Reals<Real> held[Count];
   for (int k = 0; k < Count; ++k)
   {
+    if constexpr (Lighting::isLit)
+    {
+      if (hn::AllFalse(d, hn::Gt(extinction[k], hn::Zero(d))))
+      {
+        continue;
+      }
+      const Reals<Real> steps = hn::Set(d, i + static_cast<Real>(k) + Real(0.5));
+      effects[k] = lighting.at(spots[k], hn::Mul(steps, span.step));
+      extinction[k] = hn::Mul(extinction[k], effects[k].opacity);
+    }
     held[k] = heldBack(hn::Neg(hn::Mul(extinction[k], span.depthPerExtinction)));
   }
   for (int k = 0; k < Count; ++k)
   {
+    if (Lighting::isLit && hn::AllFalse(d, hn::Gt(extinction[k], hn::Zero(d))))
+    {
+      continue;
+    }
     const Reals<Real> weight = hn::Mul(light.transmittance, held[k]);
-    light.red = mulAdd(weight, gather<Real>(entries, entry[k]), light.red);
-    light.green = mulAdd(weight, gather<Real>(entries + 1, entry[k]), light.green);
-    light.blue = mulAdd(weight, gather<Real>(entries + 2, entry[k]), light.blue);
+    Reals<Real> color[3];
+    for (int c = 0; c < 3; ++c)
+    {
+      color[c] = gather<Real>(entries + c, entry[k]);
+    }
+    if constexpr (Lighting::isLit)
+    {
+      lighting.shade(effects[k], hn::Set(d, Real(1)), color);
+    }
+    light.red = mulAdd(weight, color[0], light.red);
+    light.green = mulAdd(weight, color[1], light.green);
+    light.blue = mulAdd(weight, color[2], light.blue);
     light.opacity = hn::Add(light.opacity, weight);
     light.transmittance = hn::Sub(light.transmittance, weight);
   }

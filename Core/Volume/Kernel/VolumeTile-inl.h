@@ -1,4 +1,4 @@
-// A tile's way through the octree: the walk, the blocks that it meets, and the steps of rays through them. Compiled once
+// A tile's way through the octree: the walk, and the blocks that it meets. Compiled once
 // for each instruction set, as Highway wants it.
 //
 // A tile of 16 x 16 rays descends the octree once, front to back. Its rays form 16 groups of 4 x 4 pixels, a
@@ -14,7 +14,7 @@
 #endif
 
 #include "Volume/Kernel/VolumeBlocks-inl.h"
-#include "Volume/Kernel/VolumeIntegrals-inl.h"
+#include "Volume/Kernel/VolumeIntervals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeRays-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
@@ -25,7 +25,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
@@ -35,21 +34,19 @@ namespace HWY_NAMESPACE
 {
 
 /// See TileRays.
-template <class Real, bool CommonOrigin>
-class Tile : TileRays<Real, CommonOrigin>
+template <class Real, RayOrigins Origins, VolumeLoop Loop>
+class Tile : TileIntervals<Real, Origins, Loop>
 {
-  using Rays = TileRays<Real, CommonOrigin>;
+  using Rays = TileRays<Real, Origins>;
+  using Intervals = TileIntervals<Real, Origins, Loop>;
 
 public:
   explicit Tile(const VolumeKernelScene& scene)
-    : Rays(scene)
+    : Intervals(scene)
     , scene_(scene)
     , octree_(scene.field.octree())
     , grid_(octree_.grid())
     , blocks_(scene)
-    , table_(&scene.table.entries.data()->r)
-    , samplesPerCell_(static_cast<Real>(scene.settings.samplesPerCell))
-    , integralTolerance_(integralTolerance / samplesPerCell_)
   {
   }
 
@@ -91,7 +88,7 @@ public:
     Box<Real> box;
     for (int a = 0; a < 3; ++a)
     {
-      const Real middle = (CommonOrigin ? 0 : origin_[a][ray]) + t * direction_[a][ray];
+      const Real middle = (startAtReference ? 0 : origin_[a][ray]) + t * direction_[a][ray];
       box.min[a] = middle - half;
       box.max[a] = middle + half;
     }
@@ -108,38 +105,48 @@ public:
     VolumeStatistics statistics = statistics_;
     statistics += blocks_.statistics();
     statistics.rays = drawnRays_;
+    if constexpr (isLit)
+    {
+      statistics.keptGradients = gradients_.kept();
+      statistics.gradients = gradients_.computed();
+    }
     return statistics;
   }
 
 private:
+  using Intervals::blends_;
+  using Intervals::gradients_;
+  using Intervals::integrate;
+  using Intervals::isComposite;
+  using Intervals::isExtreme;
+  using Intervals::isLit;
+  using Intervals::statistics_;
   using Rays::begin_;
-  using Rays::blue_;
   using Rays::crossChildren;
-  using Rays::crossHits;
   using Rays::crossLastHits;
   using Rays::direction_;
   using Rays::drawnRays_;
   using Rays::end_;
-  using Rays::enterBox;
-  using Rays::finished;
-  using Rays::green_;
   using Rays::groupInTile;
-  using Rays::hasHits_;
-  using Rays::lengthPerT_;
   using Rays::makeRays;
-  using Rays::nextHitT_;
-  using Rays::opacity_;
   using Rays::origin_;
-  using Rays::parts_;
-  using Rays::red_;
+  using Rays::startAtReference;
   using Rays::store;
   using Rays::storeAll;
-  using Rays::toKernel;
 
   void integrateRays(int x0, int y0, GroupMask wanted)
   {
-    walk(makeRays(x0, y0) & wanted);
+    const GroupMask drawn = makeRays(x0, y0) & wanted;
+    if constexpr (!isComposite)
+    {
+      blends_.start();
+    }
+    walk(drawn);
     crossLastHits();
+    if constexpr (!isComposite)
+    {
+      this->resolve(drawn);
+    }
   }
 
   HWY_NOINLINE void walk(GroupMask active)
@@ -150,21 +157,14 @@ private:
     {
       path_.depth = 0;
       index_ = {};
-      const Bounds bounds = grid_.nodeBounds(index_, 0);
-      Box<Real> box;
-      for (int a = 0; a < 3; ++a)
-      {
-        box.min[a] = toKernel(a, bounds.min[a]);
-        box.max[a] = toKernel(a, bounds.max[a]);
-      }
+      const Box<Real> box = Intervals::toKernel(grid_.nodeBounds(index_, 0));
       root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
     }
   }
 
   void finish(int x0, int y0) noexcept
   {
-    statistics_.samples = std::accumulate(samples_, samples_ + lanes<Real>, statistics_.samples);
-    std::fill_n(samples_, lanes<Real>, 0);
+    this->countSamples();
     storeAll(x0, y0, scene_.image->rgba.data());
   }
 
@@ -176,7 +176,7 @@ private:
       return true;
     }
     range = scene_.ranges->of(node.index(), range);
-    return scene_.transferFunction.isVisible(range);
+    return isWanted<Loop>(scene_, range);
   }
 
   void visit(std::uint64_t node, const Box<Real>& box, GroupMask active, Range range)
@@ -205,9 +205,14 @@ private:
     for (int a = 0; a < 3; ++a)
     {
       planes[a] = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
-      middle[a] = toKernel(a, planes[a]);
+      middle[a] = Rays::toKernel(a, planes[a]);
     }
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
+    std::array<std::uint8_t, 8> order;
+    if constexpr (isExtreme)
+    {
+      order = fromTheMost(children, range, ranges);
+    }
     // Memory is on its way while rays are tested.
     prefetchNodes(children);
     GroupMask crossing[8];
@@ -217,10 +222,19 @@ private:
     Block<Real> block;
     for (int i = 0; i < 8; ++i)
     {
-      const int octant = i ^ nearest;
+      const int octant = isExtreme ? order[i] : i ^ nearest;
       if (!(wanted >> octant & 1) || crossing[octant] == 0)
       {
         continue;
+      }
+      if constexpr (isExtreme)
+      {
+        crossing[octant] = blends_.open(
+          crossing[octant], blends_.mostOf(children.leaf >> octant & 1 ? range : ranges[octant]));
+        if (crossing[octant] == 0)
+        {
+          continue;
+        }
       }
       Box<Real> childBox;
       for (int a = 0; a < 3; ++a)
@@ -243,6 +257,11 @@ private:
             wanted &= ~children.leaf;
             continue;
           }
+          if (!prepareGradients(BlockCells::Leaves))
+          {
+            wanted &= ~children.leaf;
+            continue;
+          }
           hasValues = true;
         }
         integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
@@ -254,8 +273,40 @@ private:
       visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
       path_.ascend();
       index_ = index;
-      hasValues = hasValues && blocks_.outlastsOthers(block);
+      hasValues = hasValues && !isLit && blocks_.outlastsOthers(block);
     }
+  }
+
+  /// The children, those with the largest places first.
+  std::array<std::uint8_t, 8> fromTheMost(
+    const Octree::Children& children, const Range& range, const std::array<Range, 8>& ranges) const
+  {
+    std::array<std::uint8_t, 8> order;
+    std::array<Real, 8> most;
+    for (int octant = 0; octant < 8; ++octant)
+    {
+      const bool isInner = children.inner() >> octant & 1;
+      const Real own = blends_.mostOf(isInner ? ranges[octant] : range);
+      int at = octant;
+      for (; at > 0 && most[at - 1] < own; --at)
+      {
+        most[at] = most[at - 1];
+        order[at] = order[at - 1];
+      }
+      most[at] = own;
+      order[at] = static_cast<std::uint8_t>(octant);
+    }
+    return order;
+  }
+
+  /// False when nothing is visible by them.
+  bool prepareGradients([[maybe_unused]] BlockCells cells)
+  {
+    if constexpr (isLit)
+    {
+      return gradients_.prepare(path_, cells);
+    }
+    return true;
   }
 
   /// Mask of the children in which there may be something to draw, whatever the rays. ranges: of inner ones, when
@@ -288,6 +339,10 @@ private:
     {
       octree_.prefetchChildren(children.firstInner);
       scene_.kept.prefetchSlot(children.firstInner, BlockCells::Leaves);
+      if constexpr (isLit)
+      {
+        scene_.gradients->prefetchSlot(children.firstInner, BlockCells::Leaves);
+      }
     }
   }
 
@@ -307,6 +362,10 @@ private:
       if (below.leaf != 0)
       {
         scene_.kept.prefetchRecord(child, BlockCells::Leaves);
+        if constexpr (isLit)
+        {
+          scene_.gradients->prefetchRecord(child, BlockCells::Leaves);
+        }
       }
       if (below.inner() != 0 && scene_.ranges)
       {
@@ -345,7 +404,7 @@ private:
   void visitBlock(BlockCells cells, const Box<Real>& box, GroupMask active)
   {
     Block<Real> block;
-    if (blocks_.prepare(path_, cells, 0.5 * (box.max[0] - box.min[0]), block))
+    if (blocks_.prepare(path_, cells, 0.5 * (box.max[0] - box.min[0]), block) && prepareGradients(cells))
     {
       integrate(block, box, Lattice<Real>(box), active);
     }
@@ -361,7 +420,8 @@ private:
     if (scene_.field.corners() && !scene_.features.categories)
     {
       Block<Real> block;
-      if (blocks_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0], block))
+      if (blocks_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0], block) &&
+        prepareGradients(BlockCells::Leaves))
       {
         integrate(block, box, Lattice<Real>(box, 0), active);
       }
@@ -372,202 +432,44 @@ private:
       integrateConstant(0, box, active);
       return;
     }
+    if constexpr (isLit)
+    {
+      gradients_.useNone();
+    }
     const double place = scene_.table.integrals->placeOf(scene_.field.leafValues()[0]);
     integrate(blocks_.constant(static_cast<Real>(place), 0, true), box, Lattice<Real>(box), active);
-  }
-
-  /// Of a category.
-  Real positionOf(std::uint64_t leaf) const noexcept
-  {
-    const float value = scene_.field.leafValues()[leaf];
-    return static_cast<Real>(scene_.transferFunction.position(value) * scene_.table.perEntry);
   }
 
   /// Whether a leaf of a category is transparent and such ones are left out.
   bool isSkipped(std::uint64_t leaf) const noexcept
   {
-    return scene_.settings.skipEmpty &&
-      scene_.table.entries[static_cast<std::size_t>(positionOf(leaf))].extinction == 0.f;
+    const float value = scene_.field.leafValues()[leaf];
+    return scene_.settings.skipEmpty && !isWanted<Loop>(scene_, { value, value });
   }
 
   /// A leaf whose value is the same everywhere in it.
   void integrateConstant(std::uint64_t leaf, const Box<Real>& box, GroupMask active)
   {
-    integrate(blocks_.constant(positionOf(leaf), 0), box, Lattice<Real>(box), active);
-  }
-
-  void integrate(
-    const Block<Real>& block, const Box<Real>& box, const Lattice<Real>& lattice, GroupMask active)
-  {
-    if constexpr (Block<Real>::samplesSteps)
+    const Real place = blocks_.placeOf(scene_.field.leafValues()[leaf]);
+    if constexpr (isLit)
     {
-      if (!block.exact)
-      {
-        integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
-        return;
-      }
+      gradients_.useNone();
     }
-    integrate(ExactValues<Real>{ block.exact }, block, box, lattice, active);
-  }
-
-  template <class Values>
-  void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,
-    const Lattice<Real>& lattice, GroupMask active)
-  {
-    for (; active != 0; active &= active - 1)
-    {
-      const int group = std::countr_zero(active);
-      for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes<Real>)
-      {
-        // Exact values are few: a loop without stops for them would cost more to compile than it saves.
-        constexpr bool isFrequent = std::is_same_v<Values, QuantisedValues>;
-        if (!isFrequent || hasHits_ || parts_ > 1)
-        {
-          block.preIntegrate ? integrateFromStopToStop<true>(values, block, box, lattice, ray)
-                             : integrateFromStopToStop<false>(values, block, box, lattice, ray);
-          continue;
-        }
-        if constexpr (isFrequent)
-        {
-          block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
-                             : integrate<false>(values, block, box, lattice, ray);
-        }
-      }
-    }
-  }
-
-  /// Takes the rays from `ray` on through a box.
-  template <bool PreIntegrated, class Values>
-  HWY_INLINE void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,
-    const Lattice<Real>& lattice, int ray)
-  {
-    const RealTag<Real> d;
-    Reals<Real> begin = hn::Load(d, begin_[0] + ray);
-    Reals<Real> end = hn::Load(d, end_[0] + ray);
-    enterBox(box, ray, begin, end);
-    integratePart<PreIntegrated>(values, block, lattice, ray, begin, end);
-  }
-
-  /// The same, from stop to stop.
-  template <bool PreIntegrated, class Values>
-  HWY_NOINLINE void integrateFromStopToStop(const Values& values, const Block<Real>& block,
-    const Box<Real>& box, const Lattice<Real>& lattice, int ray)
-  {
-    const RealTag<Real> d;
-    for (int part = 0; part < parts_; ++part)
-    {
-      Reals<Real> begin = hn::Load(d, begin_[part] + ray);
-      Reals<Real> end = hn::Load(d, end_[part] + ray);
-      enterBox(box, ray, begin, end);
-      do
-      {
-        const Reals<Real> stop = hasHits_ ? hn::Min(end, hn::Load(d, nextHitT_ + ray)) : end;
-        integratePart<PreIntegrated>(values, block, lattice, ray, begin, stop);
-      }
-      while (hasHits_ && crossHits(part, ray, begin, end));
-    }
-  }
-
-  /// Takes the rays from `ray` on from begin to end in a block: by midpoint samples, or by the transfer function's
-  /// integrals over what the field covers in each step.
-  template <bool PreIntegrated, class Values>
-  HWY_INLINE void integratePart(const Values& values, const Block<Real>& block, const Lattice<Real>& lattice,
-    int ray, Reals<Real> begin, Reals<Real> end)
-  {
-    const RealTag<Real> d;
-    const Mask<Real> crosses = hn::Lt(begin, end);
-    if (hn::AllFalse(d, crosses))
-    {
-      return;
-    }
-    ++statistics_.intervals;
-    const Reals<Real> length = hn::IfThenElseZero(crosses, hn::Sub(end, begin));
-    Span<Real> span;
-    Reals<Real> squared = hn::Zero(d);
-    for (int a = 0; a < 3; ++a)
-    {
-      const Reals<Real> direction = hn::Load(d, direction_[a] + ray);
-      const Reals<Real> scale = hn::Set(d, lattice.scale[a]);
-      Reals<Real> corner = hn::Set(d, -lattice.min[a]);
-      if (!CommonOrigin)
-      {
-        corner = hn::Add(corner, hn::Load(d, origin_[a] + ray));
-      }
-      span.start[a] = hn::Mul(mulAdd(begin, direction, corner), scale);
-      span.slope[a] = hn::Mul(direction, scale);
-      squared = mulAdd(span.slope[a], span.slope[a], squared);
-    }
-    const Reals<Real> opacity = hn::Load(d, opacity_ + ray);
-    const Reals<Real> transmittance = hn::Sub(hn::Set(d, Real(1)), opacity);
-    const Reals<Real> lengthPerT = hn::Load(d, lengthPerT_ + ray);
-    // Squares: of the way in widths of a leaf, and of what the variation of optical depth on it asks for.
-    const Reals<Real> widths = hn::Mul(hn::Mul(squared, hn::Set(d, Real(0.25))), hn::Mul(length, length));
-    const Reals<Real> variation = hn::Mul(hn::Mul(length, lengthPerT),
-      hn::Mul(
-        transmittance, hn::Set(d, samplesPerRootVariation * samplesPerRootVariation * block.variation)));
-    const Reals<Real> wanted =
-      hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
-    const Real mostSamples = chooseSteps<Real>(hn::IfThenElseZero(crosses, wanted), length, span);
-    span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
-    span.samples = hn::IfThenElseZero(crosses, span.samples);
-    const IntTag<Real> di;
-    hn::Store(hn::Add(hn::Load(di, samples_), nearest<Real>(span.samples)), di, samples_);
-    statistics_.steps += PreIntegrated ? 0 : static_cast<std::uint64_t>(mostSamples);
-
-    Light<Real> light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
-      hn::Load(d, blue_ + ray) };
-    if constexpr (PreIntegrated)
-    {
-      const std::uint64_t steps = takeIntegrals(
-        *scene_.table.integrals, span, integralTolerance_, values, block.toTable, lattice, light);
-      statistics_.steps += steps;
-      statistics_.litSteps += steps;
-    }
-    else
-    {
-      Real i = 0;
-      for (; i + 1 < mostSamples; i += 2)
-      {
-        statistics_.litSteps += takePoints<2>(table_, span, i, values, block.toTable, lattice, light);
-      }
-      if (i < mostSamples)
-      {
-        statistics_.litSteps += takePoints<1>(table_, span, i, values, block.toTable, lattice, light);
-      }
-    }
-    hn::Store(light.opacity, d, opacity_ + ray);
-    hn::Store(light.red, d, red_ + ray);
-    hn::Store(light.green, d, green_ + ray);
-    hn::Store(light.blue, d, blue_ + ray);
-    const Mask<Real> done = hn::Gt(light.opacity, hn::Set(d, Real(opaque)));
-    int part = 0;
-    do
-    {
-      Real* ends = end_[part] + ray;
-      hn::Store(hn::IfThenElse(done, hn::Set(d, finished), hn::Load(d, ends)), d, ends);
-    }
-    while (++part < parts_);
+    integrate(blocks_.constant(place, 0), box, Lattice<Real>(box), active);
   }
 
   const VolumeKernelScene& scene_;
   const Octree& octree_;
   const RootGrid& grid_;
   BlockPath path_;
-  BlockSource<Real> blocks_;
-  const float* table_;
-  Real samplesPerCell_;
-  Real integralTolerance_;
+  BlockSource<Real, Loop> blocks_;
   std::array<Coord, 3> index_{};
-
-  VolumeStatistics statistics_;
-  /// By lane: summing a vector up at each interval takes longer.
-  HWY_ALIGN std::int32_t samples_[lanes<Real>] = {};
 };
 
-template <class Real, bool CommonOrigin>
+template <class Real, RayOrigins Origins, VolumeLoop Loop>
 VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns, float position, int repeats)
 {
-  Tile<Real, CommonOrigin> tile(scene);
+  Tile<Real, Origins, Loop> tile(scene);
   for (int column = 0; column < columns; ++column)
   {
     tile.repeatInCache(column * volumeTileWidth, row * volumeTileWidth, position, repeats);
@@ -575,10 +477,10 @@ VolumeStatistics repeatRow(const VolumeKernelScene& scene, int row, int columns,
   return tile.statistics();
 }
 
-template <class Real, bool CommonOrigin>
+template <class Real, RayOrigins Origins, VolumeLoop Loop>
 void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> groups, float* rgba)
 {
-  Tile<Real, CommonOrigin> tile(scene);
+  Tile<Real, Origins, Loop> tile(scene);
   while (!groups.empty())
   {
     const int x = groups.front().x / volumeTileWidth * volumeTileWidth;
@@ -595,10 +497,10 @@ void renderListed(const VolumeKernelScene& scene, std::span<const PixelGroup> gr
   }
 }
 
-template <class Real, bool CommonOrigin>
+template <class Real, RayOrigins Origins, VolumeLoop Loop>
 VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBegin, int columnEnd)
 {
-  Tile<Real, CommonOrigin> tile(scene);
+  Tile<Real, Origins, Loop> tile(scene);
   for (int column = columnBegin; column < columnEnd; ++column)
   {
     tile.render(column * volumeTileWidth, row * volumeTileWidth);
@@ -606,10 +508,10 @@ VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBe
   return tile.statistics();
 }
 
-template <class Real, bool CommonOrigin>
+template <class Real, RayOrigins Origins, VolumeLoop Loop>
 VolumeLoops loopsOf()
 {
-  return { renderRow<Real, CommonOrigin>, renderListed<Real, CommonOrigin>, repeatRow<Real, CommonOrigin> };
+  return { renderRow<Real, Origins, Loop>, renderListed<Real, Origins, Loop>, repeatRow<Real, Origins, Loop> };
 }
 
 } // namespace HWY_NAMESPACE

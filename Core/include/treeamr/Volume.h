@@ -1,4 +1,4 @@
-// TreeAMR: volumes of a field, emission and absorption along rays, front to back.
+// TreeAMR: volumes of a field, emission and absorption along rays, front to back, lit or not.
 //
 //   treeamr::TransferFunction colors(0., 1., entries); // value range; { r, g, b, extinction } in equal steps over it
 //   // (the value range less field->offset(), if the field has one)
@@ -9,7 +9,8 @@
 //
 // Image: width * height pixels of four floats, row by row from the lower left: linear red, green and blue times alpha,
 // alpha. Extinction counts per unit of length of the field's coordinates (of the world, where the camera is given a
-// matrix to it). RayStops, in a RayView beside the camera, leaves out what clipping planes, cropping regions and depths
+// matrix to it). VolumeSettings has light, gradient opacity and what else rays may make of values: their largest or
+// smallest, averages, sums. RayStops, in a RayView beside the camera, leaves out what clipping planes, cropping regions and depths
 // hide. The next frame, from wherever, has the vertex values of this one. Rendering is on all threads of TBB's arena.
 #pragma once
 

@@ -1,0 +1,41 @@
+// The volume kernel with light and gradient opacity, of double lanes; the best instruction set is chosen when the program runs.
+#include "InstructionSets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "Volume/Kernel/LitVolumeInDoubles.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h: the rest is compiled once for each target.
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeLight-inl.h"
+#include "Volume/Kernel/VolumeTile-inl.h"
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+VolumeLoops LitLoopsInDoubles()
+{
+  return loopsOf<double, RayOrigins::Either, VolumeLoop::Lit>();
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace treeamr
+{
+
+HWY_EXPORT(LitLoopsInDoubles);
+
+VolumeLoops litVolumeLoopsInDoubles()
+{
+  return HWY_DYNAMIC_DISPATCH(LitLoopsInDoubles)();
+}
+
+} // namespace treeamr
+#endif

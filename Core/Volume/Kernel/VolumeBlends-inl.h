@@ -1,0 +1,318 @@
+// What rays make of values, unlike light of any order: the largest or the smallest one, or sums. Compiled once for each
+// instruction set, as Highway wants it.
+//
+// An extreme is exact: in each octant the field is a cubic along the ray, whose turning points are known. An octant
+// whose vertices are below what a ray has costs one look at them, nodes and blocks nothing.
+#if defined(TREEAMR_VOLUMEBLENDS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREEAMR_VOLUMEBLENDS_INL_H
+#undef TREEAMR_VOLUMEBLENDS_INL_H
+#else
+#define TREEAMR_VOLUMEBLENDS_INL_H
+#endif
+
+#include "Volume/Kernel/VolumeCubics-inl.h"
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeRays-inl.h"
+#include "Volume/Kernel/VolumeSampling-inl.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+/// Opacity over a unit distance.
+inline double opacityOf(const VolumeKernelScene& scene, double extinction)
+{
+  return -std::expm1(-extinction * scene.settings.unitDistance);
+}
+
+template <class Real, VolumeLoop Loop>
+class RayBlends;
+
+/// The largest places so far.
+template <class Real>
+class RayBlends<Real, VolumeLoop::Extreme>
+{
+public:
+  explicit RayBlends(const VolumeKernelScene& scene)
+    : scene_(scene)
+    , limit_(scene.settings.skipEmpty ? this->mostOf(scene.field.range()) : -nothing)
+  {
+  }
+
+  void start() noexcept { std::fill_n(most_, tileRays, nothing); }
+
+  /// Of groups those that have rays which have less than a place.
+  GroupMask open(GroupMask active, Real place) const
+  {
+    const RealTag<Real> d;
+    const Reals<Real> most = hn::Set(d, scene_.settings.skipEmpty ? place : -nothing);
+    GroupMask groups = active;
+    for (; active != 0; active &= active - 1)
+    {
+      const int group = std::countr_zero(active);
+      Mask<Real> any = hn::Lt(hn::Load(d, most_ + group * groupRays), most);
+      for (int ray = lanes<Real>; ray < groupRays; ray += lanes<Real>)
+      {
+        any = hn::Or(any, hn::Lt(hn::Load(d, most_ + group * groupRays + ray), most));
+      }
+      groups &= ~(static_cast<GroupMask>(hn::AllFalse(d, any)) << group);
+    }
+    return groups;
+  }
+  /// The largest place of a range.
+  Real mostOf(const Range& range) const noexcept
+  {
+    const auto placeOf = [this](float value) { return (value - scene_.placeOrigin) * scene_.perValue; };
+    return static_cast<Real>(std::max(placeOf(range.min), placeOf(range.max)));
+  }
+
+  /// Whether rays from `ray` on have less than a place.
+  HWY_INLINE Mask<Real> areOpen(int ray, Real place) const
+  {
+    const RealTag<Real> d;
+    return hn::Lt(hn::Load(d, most_ + ray), hn::Set(d, scene_.settings.skipEmpty ? place : -nothing));
+  }
+
+  /// Takes the rays from `ray` on that are open through a span; the number of vectors of octants.
+  template <class Values>
+  HWY_INLINE std::uint64_t take(const Span<Real>& span, Mask<Real> open, const Values& values,
+    const ToTable<Real>& toTable, const Lattice<Real>& lattice, int ray, Reals<Real>& samples)
+  {
+    const RealTag<Real> d;
+    Reals<Real> most = hn::Load(d, most_ + ray);
+    const Reals<Real> one = hn::Set(d, Real(1));
+    const ToFaces<Real> toFaces(span);
+    Reals<Real> at = hn::Zero(d); // of the span
+    std::uint64_t steps = 0;
+    for (;;)
+    {
+      const Mask<Real> active = hn::And(open, hn::Lt(at, one));
+      if (hn::AllFalse(d, active))
+      {
+        break;
+      }
+      ++steps;
+      samples = hn::Add(samples, hn::IfThenElseZero(active, one));
+      const Reals<Real> size = hn::Min(toFaces(at), hn::Sub(one, at));
+      const Reals<Real> halfSize = hn::Mul(size, half<Real>());
+      const Spot<Real> middle = locate(span, hn::Add(at, halfSize), lattice);
+      Reals<Real> lower[4];
+      Reals<Real> upper[4];
+      values.pairs(middle.vertex, lower, upper);
+      const Reals<Real> bound = inTable(toTable, mostOf(lower, upper, toTable.scale < 0));
+      const Mask<Real> isMore = hn::And(active, hn::Lt(most, bound));
+      if (!hn::AllFalse(d, isMore))
+      {
+        const auto after = [&](Reals<Real> parts) {
+          Reals<Real> f[3];
+          for (int a = 0; a < 3; ++a)
+          {
+            f[a] = mulAdd(hn::Mul(parts, span.step), span.slope[a], middle.f[a]);
+          }
+          return inTable(toTable, between<Real>(f, lower, upper));
+        };
+        const Reals<Real> quarter = hn::Mul(halfSize, half<Real>());
+        const Reals<Real> largest = largestOf(
+          after(hn::Neg(halfSize)), after(hn::Neg(quarter)), after(hn::Zero(d)), after(halfSize));
+        most = hn::IfThenElse(isMore, hn::Max(most, hn::Min(largest, bound)), most);
+      }
+      at = hn::Add(at, size);
+    }
+    hn::Store(most, d, most_ + ray);
+    return steps;
+  }
+
+  /// Whether rays from `ray` on have the most that there is.
+  Mask<Real> areDone(int ray) const
+  {
+    const RealTag<Real> d;
+    return hn::Ge(hn::Load(d, most_ + ray), hn::Set(d, limit_));
+  }
+
+  /// Colour times opacity, and opacity.
+  std::array<Real, 4> result(int ray, bool /*crosses*/) const
+  {
+    if (most_[ray] == nothing)
+    {
+      return {};
+    }
+    const double value =
+      scene_.placeOrigin + (scene_.perValue != 0. ? most_[ray] / scene_.perValue : 0.);
+    const TransferFunction::Entry entry = scene_.transferFunction.at(static_cast<float>(value));
+    const double opacity = opacityOf(scene_, entry.extinction);
+    return { static_cast<Real>(opacity * entry.r), static_cast<Real>(opacity * entry.g),
+      static_cast<Real>(opacity * entry.b), static_cast<Real>(opacity) };
+  }
+
+private:
+  static constexpr Real nothing = -std::numeric_limits<Real>::infinity();
+
+  /// The value whose place is the largest, of vertices.
+  static HWY_INLINE Reals<Real> mostOf(
+    const Reals<Real> (&lower)[4], const Reals<Real> (&upper)[4], bool isFalling)
+  {
+    Reals<Real> most = lower[0];
+    for (int r = 0; r < 4; ++r)
+    {
+      most = isFalling ? hn::Min(most, hn::Min(lower[r], upper[r])) : hn::Max(most, hn::Max(lower[r], upper[r]));
+    }
+    return most;
+  }
+
+  static HWY_INLINE Reals<Real> largestOf(
+    Reals<Real> begin, Reals<Real> quarter, Reals<Real> middle, Reals<Real> end)
+  {
+    const RealTag<Real> d;
+    Reals<Real> largest = hn::Max(begin, end);
+    const CubicPiece<Real> piece(begin, quarter, middle, end);
+    const typename CubicPiece<Real>::Turns turns = piece.turns();
+    for (const Reals<Real> u : turns.at)
+    {
+      const Mask<Real> isInside = hn::And(turns.areReal,
+        hn::And(hn::Gt(u, hn::Zero(d)), hn::Lt(u, hn::Set(d, Real(1)))));
+      largest =
+        hn::IfThenElse(isInside, hn::Max(largest, piece(hn::IfThenElseZero(isInside, u))), largest);
+    }
+    return largest;
+  }
+
+  const VolumeKernelScene& scene_;
+  Real limit_; // of places; infinite where nothing is skipped
+  HWY_ALIGN Real most_[tileRays];
+};
+
+/// Integrals of opacity times place so far, and the lengths that count.
+template <class Real>
+class RayBlends<Real, VolumeLoop::Sum>
+{
+public:
+  explicit RayBlends(const VolumeKernelScene& scene)
+    : scene_(scene)
+    , isAverage_(scene.settings.blend == VolumeBlend::Average)
+    , entries_(&scene.table.entries.data()->r)
+  {
+    // Places are of the field, the table's entries of the function.
+    const double perPlace = scene.perValue > 0. ? 1. / scene.perValue : 0.;
+    const double perValue = scene.transferFunction.scale() * scene.table.perEntry;
+    constexpr double far = 0x1p100;
+    perEntry_ = static_cast<Real>(std::clamp(perPlace * perValue, -far, far));
+    firstEntry_ = static_cast<Real>(
+      std::clamp((scene.placeOrigin - scene.transferFunction.min()) * perValue, -far, far));
+    const auto placeOf = [&](float value) {
+      // Of a field of one value all others are far from its place.
+      const double difference = value - scene.placeOrigin;
+      const double place = scene.perValue > 0. || difference == 0. ? difference * scene.perValue
+                                                                   : std::copysign(far, difference);
+      return static_cast<Real>(std::clamp(place, -far, far));
+    };
+    firstCounted_ = isAverage_ ? placeOf(scene.settings.averageRange.min) : static_cast<Real>(-far);
+    lastCounted_ = isAverage_ ? placeOf(scene.settings.averageRange.max) : static_cast<Real>(far);
+  }
+
+  void start() noexcept
+  {
+    std::fill_n(sum_, tileRays, Real(0));
+    std::fill_n(length_, tileRays, Real(0));
+  }
+
+  /// Takes the rays from `ray` on through the steps of a span, the most of any ray: in each the field is taken for
+  /// linear, so that a part of it counts where it leaves the range.
+  template <class Values>
+  HWY_INLINE void take(const Span<Real>& span, Real mostSteps, const Values& values,
+    const ToTable<Real>& toTable, const Lattice<Real>& lattice, int ray)
+  {
+    const RealTag<Real> d;
+    const Reals<Real> zero = hn::Zero(d);
+    const Reals<Real> one = hn::Set(d, Real(1));
+    const Reals<Real> unit = hn::Set(d, depthOfUnit());
+    const Reals<Real> first = hn::Set(d, firstCounted_);
+    const Reals<Real> last = hn::Set(d, lastCounted_);
+    Reals<Real> sum = zero;
+    Reals<Real> count = zero;
+    Reals<Real> begin[1];
+    Reals<Real> ends[1] = { zero };
+    sample(span, ends, values, toTable, lattice, begin);
+    for (Real i = 0; i < mostSteps; ++i)
+    {
+      Reals<Real> end[1];
+      ends[0] = hn::Set(d, i + 1);
+      sample(span, ends, values, toTable, lattice, end);
+      const Reals<Real> from = hn::Min(hn::Max(begin[0], first), last);
+      const Reals<Real> to = hn::Min(hn::Max(end[0], first), last);
+      const Reals<Real> rise = hn::Abs(hn::Sub(end[0], begin[0]));
+      const Mask<Real> isFlat = hn::Eq(rise, zero);
+      const Reals<Real> inRange = hn::IfThenElse(isFlat, hn::IfThenElseZero(hn::Eq(from, begin[0]), one),
+        hn::Div(hn::Abs(hn::Sub(to, from)), hn::IfThenElse(isFlat, one, rise)));
+      const Reals<Real> part = hn::IfThenElseZero(hn::Lt(hn::Set(d, i), span.samples), inRange);
+      const Reals<Real> place = hn::Mul(hn::Add(from, to), half<Real>());
+      const Reals<Real> entry = mulAdd(place, hn::Set(d, perEntry_), hn::Set(d, firstEntry_));
+      const Reals<Real> inside = hn::Min(hn::Max(entry, zero), hn::Set(d, Real(scene_.table.last)));
+      const Reals<Real> extinction = gather<Real>(entries_ + 3, hn::ShiftLeft<2>(nearest<Real>(inside)));
+      const Reals<Real> opacity = heldBack(hn::Neg(hn::Mul(extinction, unit)));
+      sum = mulAdd(part, hn::Mul(opacity, place), sum);
+      count = hn::Add(count, part);
+      begin[0] = end[0];
+    }
+    hn::Store(mulAdd(sum, span.depthPerExtinction, hn::Load(d, sum_ + ray)), d, sum_ + ray);
+    hn::Store(mulAdd(count, span.depthPerExtinction, hn::Load(d, length_ + ray)), d, length_ + ray);
+  }
+
+  /// crosses: whether any of the ray is in the domain.
+  std::array<Real, 4> result(int ray, bool crosses) const
+  {
+    double grey = 0.;
+    if (isAverage_)
+    {
+      if (!(length_[ray] > 0))
+      {
+        return {};
+      }
+      grey = sum_[ray] / length_[ray];
+    }
+    else
+    {
+      if (!crosses)
+      {
+        return {};
+      }
+      grey = sum_[ray] * diagonal() / scene_.settings.unitDistance;
+    }
+    const auto clamped = static_cast<Real>(std::clamp(grey, 0., 1.));
+    return { clamped, clamped, clamped, 1 };
+  }
+
+private:
+  double diagonal() const noexcept { return diagonalOf(scene_.field.octree().grid().bounds()); }
+  /// Of a unit of the entries' extinction over the unit distance.
+  Real depthOfUnit() const noexcept
+  {
+    return static_cast<Real>(std::min<double>(scene_.settings.unitDistance / diagonal(), farthestPlace));
+  }
+
+  const VolumeKernelScene& scene_;
+  bool isAverage_;
+  const float* entries_;
+  Real perEntry_; // entries for a place
+  Real firstEntry_;
+  Real firstCounted_;
+  Real lastCounted_;
+  HWY_ALIGN Real sum_[tileRays];
+  HWY_ALIGN Real length_[tileRays];
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,409 @@
+// The light stage of the volume kernel: what the field's gradient at a sample does to its colour and its extinction.
+// Compiled once for each instruction set, as Highway wants it.
+//
+// Shading is VTK's: Phong's model with the gradient as normal, on both sides of a level of the field. Normals are
+// interpolated in the octant from vertex gradients, as values are: both are continuous across levels.
+#if defined(TREEAMR_VOLUMELIGHT_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREEAMR_VOLUMELIGHT_INL_H
+#undef TREEAMR_VOLUMELIGHT_INL_H
+#else
+#define TREEAMR_VOLUMELIGHT_INL_H
+#endif
+
+#include "Interpolation/GradientCache.h"
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeSampling-inl.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <type_traits>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+/// The logarithm to base 2 of positive numbers, to the digits of single precision. (Cephes' polynomial.)
+template <class Real>
+HWY_INLINE Reals<Real> logarithm(Reals<Real> x)
+{
+  using Limits = std::numeric_limits<Real>;
+  const RealTag<Real> d;
+  const hn::RebindToUnsigned<RealTag<Real>> du;
+  constexpr int mantissa = Limits::digits - 1;
+  // Where one is a number's last bit, its lowest bits are whole numbers.
+  const Reals<Real> wholes = hn::Set(d, Real(1) / Limits::epsilon());
+  const auto bits = hn::BitCast(du, x);
+  Reals<Real> exponent = hn::Sub(
+    hn::BitCast(d, hn::Or(hn::ShiftRight<mantissa>(bits), hn::BitCast(du, wholes))), wholes);
+  exponent = hn::Sub(exponent, hn::Set(d, Real(Limits::max_exponent - 2)));
+  const auto ofHalf = hn::BitCast(du, hn::Set(d, Real(0.5)));
+  const auto fraction = hn::BitCast(du, hn::Set(d, Real(1) - Limits::epsilon() / 2));
+  Reals<Real> m = hn::BitCast(d, hn::Or(hn::And(bits, hn::Xor(fraction, ofHalf)), ofHalf));
+  const Mask<Real> isLow = hn::Lt(m, hn::Set(d, Real(std::numbers::sqrt2 / 2)));
+  exponent = hn::Sub(exponent, hn::IfThenElseZero(isLow, hn::Set(d, Real(1))));
+  m = hn::Sub(hn::IfThenElse(isLow, hn::Add(m, m), m), hn::Set(d, Real(1)));
+  Reals<Real> p = hn::Set(d, Real(7.0376836292e-2));
+  for (const double c : { -1.1514610310e-1, 1.1676998740e-1, -1.2420140846e-1, 1.4249322787e-1,
+         -1.6668057665e-1, 2.0000714765e-1, -2.4999993993e-1, 3.3333331174e-1 })
+  {
+    p = mulAdd(p, m, hn::Set(d, static_cast<Real>(c)));
+  }
+  const Reals<Real> squared = hn::Mul(m, m);
+  const Reals<Real> natural =
+    hn::Add(m, mulAdd(hn::Mul(p, m), squared, hn::Mul(squared, hn::Set(d, Real(-0.5)))));
+  return mulAdd(natural, hn::Set(d, Real(std::numbers::log2e)), exponent);
+}
+
+/// Of numbers in [0, 1]; 0 of 0.
+template <class Real>
+HWY_INLINE Reals<Real> power(Reals<Real> x, Real exponent)
+{
+  const RealTag<Real> d;
+  const Mask<Real> isPositive = hn::Gt(x, hn::Set(d, std::numeric_limits<Real>::min()));
+  const Reals<Real> one = hn::Set(d, Real(1));
+  const Reals<Real> depth =
+    hn::Mul(hn::Set(d, exponent), logarithm<Real>(hn::IfThenElse(isPositive, hn::Min(x, one), one)));
+  return hn::IfThenElseZero(isPositive, hn::Sub(one, heldBack(hn::Min(depth, hn::Zero(d)))));
+}
+
+template <class Real>
+using Reals3 = Reals<Real>[3];
+
+template <class Real>
+HWY_INLINE Reals<Real> dotted(const Reals3<Real>& a, const Reals3<Real>& b)
+{
+  return mulAdd(a[0], b[0], mulAdd(a[1], b[1], hn::Mul(a[2], b[2])));
+}
+
+/// To unit length, 0 where there is none; the squares of lengths before.
+template <class Real>
+HWY_INLINE Reals<Real> normalize(Reals3<Real>& v)
+{
+  const RealTag<Real> d;
+  const Reals<Real> squared = dotted<Real>(v, v);
+  const Mask<Real> isLong = hn::Gt(squared, hn::Set(d, std::numeric_limits<Real>::min()));
+  const Reals<Real> inverse = hn::IfThenElseZero(
+    isLong, hn::Div(hn::Set(d, Real(1)), hn::Sqrt(hn::IfThenElse(isLong, squared, hn::Set(d, Real(1))))));
+  for (Reals<Real>& component : v)
+  {
+    component = hn::Mul(component, inverse);
+  }
+  return squared;
+}
+
+/// The vertex gradients of a block, for sampling.
+template <class Real>
+struct GradientBlock
+{
+  using Values = std::conditional_t<std::is_same_v<Real, float>, QuantisedValues, ExactValues<Real>>;
+  std::conditional_t<std::is_same_v<Real, float>, const std::uint16_t*, const Real*> steps[3];
+  Real stepLength = 0;
+};
+
+/// What the gradient at samples does.
+template <class Real>
+struct LightEffect
+{
+  Reals<Real> opacity; // times the extinction
+  Reals<Real> times[3];
+  Reals<Real> plus[3];
+};
+
+/// On some rays through a block.
+template <class Real>
+class LightOnRays
+{
+public:
+  static constexpr bool isLit = true;
+  using Effect = LightEffect<Real>;
+
+  /// start: of the rays, in kernel coordinates.
+  HWY_INLINE LightOnRays(const VolumeIllumination& scene, const GradientBlock<Real>& gradients,
+    const Reals3<Real>& start, const Reals3<Real>& direction)
+    : scene_(scene)
+    , gradients_{ typename GradientBlock<Real>::Values{ gradients.steps[0] },
+      typename GradientBlock<Real>::Values{ gradients.steps[1] },
+      typename GradientBlock<Real>::Values{ gradients.steps[2] } }
+    , stepLength_(gradients.stepLength)
+  {
+    const RealTag<Real> d;
+    if (!scene.shades)
+    {
+      return;
+    }
+    for (int r = 0; r < 3; ++r)
+    {
+      const auto row = [&](const Reals3<Real>& v, Reals<Real> sum) {
+        for (int a = 0; a < 3; ++a)
+        {
+          sum = mulAdd(hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][a])), v[a], sum);
+        }
+        return sum;
+      };
+      sight_[r] = slope_[r] = row(direction, hn::Zero(d));
+      start_[r] = scene.needsPoints ? row(start, hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][3])))
+                                    : slope_[r];
+    }
+    normalize<Real>(sight_);
+  }
+
+  /// At spots that rays reach after a part of t.
+  HWY_INLINE Effect at(const Spot<Real>& spot, Reals<Real> along) const
+  {
+    const RealTag<Real> d;
+    Reals<Real> gradient[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      Reals<Real> lower[4];
+      Reals<Real> upper[4];
+      gradients_[a].pairs(spot.vertex, lower, upper);
+      gradient[a] =
+        hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
+    }
+    Effect effect;
+    effect.opacity = hn::Set(d, Real(1));
+    if (scene_.gradientOpacity)
+    {
+      const Reals<Real> length = hn::Sqrt(dotted<Real>(gradient, gradient));
+      const Reals<Real> place =
+        hn::Min(hn::Mul(length, hn::Set(d, stepLength_ * static_cast<Real>(scene_.entriesPerLength))),
+          hn::Set(d, static_cast<Real>(scene_.lastEntry)));
+      const Reals<Real> entry =
+        hn::Min(hn::Floor(place), hn::Set(d, static_cast<Real>(scene_.lastEntry - 1.)));
+      const Ints<Real> index = truncated<Real>(entry);
+      effect.opacity = lerp(hn::Sub(place, entry), gather<Real>(scene_.gradientOpacity, index),
+        gather<Real>(scene_.gradientOpacity + 1, index));
+    }
+    if (scene_.shades)
+    {
+      this->reflect(gradient, along, effect);
+    }
+    return effect;
+  }
+
+  /// Colours, which have been multiplied by `whole`.
+  HWY_INLINE void shade(const Effect& effect, Reals<Real> whole, Reals3<Real>& color) const
+  {
+    if (scene_.shades)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        const Reals<Real> lit = mulAdd(effect.times[c], color[c], hn::Mul(effect.plus[c], whole));
+        color[c] = hn::Min(hn::ZeroIfNegative(lit), whole);
+      }
+    }
+  }
+
+private:
+  /// Shines on a unit normal.
+  HWY_INLINE void reflect(const Reals3<Real>& gradient, Reals<Real> along, Effect& effect) const
+  {
+    const RealTag<Real> d;
+    Reals<Real> normal[3];
+    for (int r = 0; r < 3; ++r)
+    {
+      normal[r] = hn::Zero(d);
+      for (int a = 0; a < 3; ++a)
+      {
+        normal[r] =
+          mulAdd(hn::Set(d, static_cast<Real>(scene_.normalFromGradient[r][a])), gradient[a], normal[r]);
+      }
+    }
+    normalize<Real>(normal);
+    Reals<Real> point[3] = { start_[0], start_[1], start_[2] };
+    Reals<Real> sight[3] = { sight_[0], sight_[1], sight_[2] };
+    if (scene_.needsPoints)
+    {
+      for (int a = 0; a < 3; ++a)
+      {
+        point[a] = mulAdd(along, slope_[a], start_[a]);
+      }
+      if (!scene_.seesAlongRays)
+      {
+        std::copy_n(point, 3, sight);
+        normalize<Real>(sight);
+      }
+    }
+    const Reals<Real> towards = dotted<Real>(normal, sight);
+    for (int c = 0; c < 3; ++c)
+    {
+      effect.times[c] = hn::Set(d, static_cast<Real>(scene_.ambient));
+      effect.plus[c] = hn::Set(d, static_cast<Real>(scene_.ambientLight[c]));
+    }
+    for (const KernelLight& light : scene_.lights)
+    {
+      Reals<Real> travels[3] = { sight[0], sight[1], sight[2] };
+      Reals<Real> arrives = hn::Set(d, Real(1));
+      if (!light.isAtEye)
+      {
+        arrives = this->incoming(light, point, travels);
+      }
+      const Reals<Real> cosine = dotted<Real>(normal, travels);
+      const Reals<Real> facing = scene_.twoSided ? hn::Abs(cosine) : hn::ZeroIfNegative(cosine);
+      const Reals<Real> falls = hn::Mul(arrives, facing);
+      for (int c = 0; c < 3; ++c)
+      {
+        effect.times[c] = mulAdd(falls, hn::Set(d, static_cast<Real>(light.diffuse[c])), effect.times[c]);
+      }
+      if (!scene_.shines)
+      {
+        continue;
+      }
+      // What is mirrored on the normal, towards the eye.
+      const Reals<Real> closeness = hn::Sub(
+        hn::Mul(hn::Add(cosine, cosine), towards), dotted<Real>(travels, sight));
+      const Reals<Real> highlight = hn::IfThenElseZero(hn::Gt(facing, hn::Zero(d)),
+        hn::Mul(arrives,
+          power<Real>(hn::ZeroIfNegative(closeness), static_cast<Real>(scene_.specularPower))));
+      for (int c = 0; c < 3; ++c)
+      {
+        effect.plus[c] = mulAdd(highlight, hn::Set(d, static_cast<Real>(light.specular[c])), effect.plus[c]);
+      }
+    }
+  }
+
+  /// How a light travels at points, and how much of it arrives.
+  HWY_INLINE Reals<Real> incoming(
+    const KernelLight& light, const Reals3<Real>& point, Reals3<Real>& travels) const
+  {
+    const RealTag<Real> d;
+    const auto set = [d](double v) { return hn::Set(d, static_cast<Real>(v)); };
+    for (int a = 0; a < 3; ++a)
+    {
+      travels[a] = light.isPositional ? hn::Sub(point[a], set(light.position[a])) : set(light.direction[a]);
+    }
+    if (!light.isPositional)
+    {
+      return set(1.);
+    }
+    const Reals<Real> distance = hn::Sqrt(normalize<Real>(travels));
+    Reals<Real> arrives = hn::Div(set(1.),
+      mulAdd(distance, mulAdd(distance, set(light.attenuation[2]), set(light.attenuation[1])),
+        set(light.attenuation[0])));
+    if (light.isCone)
+    {
+      const Reals<Real> direction[3] = { set(light.direction[0]), set(light.direction[1]),
+        set(light.direction[2]) };
+      const Reals<Real> cosine = dotted<Real>(travels, direction);
+      arrives = hn::IfThenElseZero(hn::Ge(cosine, set(light.coneCosine)),
+        hn::Mul(arrives, power<Real>(hn::ZeroIfNegative(cosine), static_cast<Real>(light.exponent))));
+    }
+    return arrives;
+  }
+
+  const VolumeIllumination& scene_;
+  typename GradientBlock<Real>::Values gradients_[3];
+  Real stepLength_;
+  Reals<Real> start_[3]; // in the lights' coordinates
+  Reals<Real> slope_[3];
+  Reals<Real> sight_[3]; // the way that rays go
+};
+
+/// Where blocks have their gradients from, for one thread.
+template <class Real>
+class GradientSource
+{
+public:
+  explicit GradientSource(const VolumeKernelScene& scene)
+    : scene_(scene)
+  {
+    useNone();
+  }
+
+  /// Finds the gradients of the children of the path's node, or computes and keeps them. False when gradient opacity
+  /// hides all of them.
+  bool prepare(const BlockPath& path, BlockCells cells)
+  {
+    const std::uint64_t node = path.node[path.depth];
+    const BlockGradientRecord* record = scene_.gradients->find(node, cells);
+    if (record)
+    {
+      ++kept_;
+    }
+    else
+    {
+      const Octree& octree = scene_.field.octree();
+      const unsigned children = cells == BlockCells::Means ? 0xff
+        : octree.root().isLeaf()                           ? 1 // of a field at corners
+                                                           : octree.children(node).leaf;
+      const BlockVertices vertices = verticesOfChildren(children);
+      if (!evaluator_)
+      {
+        evaluator_.emplace(scene_.field);
+      }
+      evaluator_->compute(path, cells, vertices, computed_);
+      ++blocks_;
+      record_ = BlockGradientRecord(computed_, vertices, scene_.gradients->scale());
+      record = scene_.gradients->keep(node, cells, record_);
+      record = record ? record : &record_;
+    }
+    use(*record);
+    constexpr float diagonal = 1.7321f; // of three largest components, rounded up
+    return !scene_.settings.skipEmpty ||
+      diagonal * BlockGradientRecord::most * record->length > scene_.illumination->hiddenLength;
+  }
+  /// Of a constant.
+  void useNone() { use(none()); }
+
+  const GradientBlock<Real>& block() const noexcept { return block_; }
+  std::uint64_t kept() const noexcept { return kept_; }
+  std::uint64_t computed() const noexcept { return blocks_; }
+
+private:
+  static BlockVertices verticesOfChildren(unsigned children) noexcept
+  {
+    std::uint64_t octants = 0; // x + 4 y + 16 z
+    for (; children != 0; children &= children - 1)
+    {
+      const int child = std::countr_zero(children);
+      octants |= std::uint64_t(0x330033) << (2 * (child & 1) + 8 * (child >> 1 & 1) + 32 * (child >> 2));
+    }
+    return verticesOfOctants(octants);
+  }
+
+  static const BlockGradientRecord& none()
+  {
+    static const BlockGradientRecord record({}, {}, 0.);
+    return record;
+  }
+
+  void use(const BlockGradientRecord& record)
+  {
+    block_.stepLength = record.length;
+    for (int a = 0; a < 3; ++a)
+    {
+      if constexpr (std::is_same_v<Real, float>)
+      {
+        block_.steps[a] = record.steps[a].data();
+      }
+      else
+      {
+        std::copy(record.steps[a].begin(), record.steps[a].end(), exact_[a]);
+        block_.steps[a] = exact_[a];
+      }
+    }
+  }
+
+  const VolumeKernelScene& scene_;
+  std::optional<GradientEvaluator> evaluator_; // once something is computed: it is large
+  BlockGradients computed_;
+  BlockGradientRecord record_;
+  GradientBlock<Real> block_;
+  std::conditional_t<std::is_same_v<Real, float>, char, Real[3][128]> exact_;
+  std::uint64_t kept_ = 0;
+  std::uint64_t blocks_ = 0;
+};
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,41 @@
+// The volume kernel of sums and averages along rays; the best instruction set is chosen when the program runs.
+#include "InstructionSets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "Volume/Kernel/VolumeSums.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h: the rest is compiled once for each target.
+#include "Volume/Kernel/VolumeBlends-inl.h"
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeTile-inl.h"
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+VolumeLoops SumLoops()
+{
+  return loopsOf<float, RayOrigins::Either, VolumeLoop::Sum>();
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace treeamr
+{
+
+HWY_EXPORT(SumLoops);
+
+VolumeLoops sumVolumeLoops()
+{
+  return HWY_DYNAMIC_DISPATCH(SumLoops)();
+}
+
+} // namespace treeamr
+#endif

@@ -1,0 +1,164 @@
+#include "VolumeEffects.h"
+
+#include "SceneConversion.h"
+
+#include "Field/Field.h"
+
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkRenderer.h"
+#include "vtkVolume.h"
+#include "vtkVolumeMapper.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace treeamr
+{
+
+namespace
+{
+
+/// Of the lights that are switched on.
+std::array<float, 3> ambientLight(vtkRenderer* renderer)
+{
+  std::array<float, 3> sum{};
+  vtkLightCollection* collection = renderer->GetLights();
+  vtkCollectionSimpleIterator iterator;
+  collection->InitTraversal(iterator);
+  while (vtkLight* light = collection->GetNextLight(iterator))
+  {
+    for (int c = 0; c < 3 && light->GetSwitch(); ++c)
+    {
+      sum[c] += static_cast<float>(light->GetAmbientColor()[c] * light->GetIntensity());
+    }
+  }
+  return sum;
+}
+
+/// Of the finest cells: the mean over the axes.
+double finestWidth(const Field& field)
+{
+  const RootGrid& grid = field.octree().grid();
+  const Bounds bounds = grid.bounds();
+  double sum = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    sum += (bounds.max[a] - bounds.min[a]) / static_cast<double>(grid.roots()[a]);
+  }
+  return std::ldexp(sum / 3., -field.octree().leafLevels());
+}
+
+} // namespace
+
+VolumeBlend convertBlendMode(int mode)
+{
+  switch (mode)
+  {
+    case vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND:
+      return VolumeBlend::Maximum;
+    case vtkVolumeMapper::MINIMUM_INTENSITY_BLEND:
+      return VolumeBlend::Minimum;
+    case vtkVolumeMapper::AVERAGE_INTENSITY_BLEND:
+      return VolumeBlend::Average;
+    case vtkVolumeMapper::ADDITIVE_BLEND:
+      return VolumeBlend::Additive;
+    default:
+      return VolumeBlend::Composite;
+  }
+}
+
+bool blendsValues(vtkVolumeMapper* mapper)
+{
+  return convertBlendMode(mapper->GetBlendMode()) != VolumeBlend::Composite;
+}
+
+std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolume* volume)
+{
+  vtkVolumeProperty* property = volume->GetProperty();
+  if (!property->GetShade(0))
+  {
+    return std::nullopt;
+  }
+  VolumeShading shading;
+  shading.lights = convertLights(renderer);
+  const auto ambient = static_cast<float>(property->GetAmbient(0));
+  shading.ambient = 0.f;
+  shading.diffuse = static_cast<float>(property->GetDiffuse(0));
+  shading.specular = static_cast<float>(property->GetSpecular(0));
+  shading.specularPower = static_cast<float>(property->GetSpecularPower(0));
+  shading.twoSided = renderer->GetTwoSidedLighting();
+  shading.lightsFromData = viewFromData(renderer, volume);
+  if (shading.lights.size() == 1 && shading.lights[0].highlightByCosine) // a headlight alone
+  {
+    Light& atEye = shading.lights[0];
+    atEye.positional = true;
+    atEye.position = {};
+    atEye.coneAngle = 180.;
+    atEye.attenuation = { 1., 0., 0. };
+    shading.ambient = ambient;
+    return shading;
+  }
+  shading.ambientLight = ambientLight(renderer);
+  for (float& channel : shading.ambientLight)
+  {
+    channel *= ambient;
+  }
+  return shading;
+}
+
+bool hasGradientOpacity(vtkVolumeProperty* property)
+{
+  if (!property->HasGradientOpacity() || property->GetDisableGradientOpacity())
+  {
+    return false;
+  }
+  vtkPiecewiseFunction* function = property->GetGradientOpacity();
+  return std::strcmp(function->GetType(), "Constant") != 0 || function->GetValue(0.) != 1.;
+}
+
+std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* property, const Field& field)
+{
+  if (!hasGradientOpacity(property))
+  {
+    return std::nullopt;
+  }
+  constexpr int entries = 4096;
+  const double range = static_cast<double>(field.range().max) - field.range().min;
+  const double largest = range > 0. ? 0.25 * range : 0.25;
+  GradientOpacity result{ largest / finestWidth(field), std::vector<float>(entries) };
+  property->GetGradientOpacity()->GetTable(0., largest, entries, result.entries.data());
+  for (float& entry : result.entries)
+  {
+    entry = std::clamp(std::isnan(entry) ? 0.f : entry, 0.f, 1.f);
+  }
+  return result;
+}
+
+VolumeSettings convertVolumeEffects(
+  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field)
+{
+  vtkVolumeProperty* property = volume->GetProperty();
+  VolumeSettings settings;
+  settings.blend = convertBlendMode(mapper->GetBlendMode());
+  settings.unitDistance = property->GetScalarOpacityUnitDistance(0);
+  const double* const counted = mapper->GetAverageIPScalarRange();
+  const auto relative = [&](double value) {
+    constexpr double most = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value - field.offset(), -most, most));
+  };
+  settings.averageRange = { relative(counted[0]), relative(counted[1]) };
+  if (mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND)
+  {
+    settings.shading = convertVolumeShading(renderer, volume);
+    settings.gradientOpacity = convertGradientOpacity(property, field);
+  }
+  return settings;
+}
+
+} // namespace treeamr

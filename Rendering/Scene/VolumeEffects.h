@@ -1,0 +1,39 @@
+// What vtkVolumeProperty and vtkVolumeMapper ask for beyond colours and opacities, in the core's terms. Private to the
+// module.
+#pragma once
+
+#include "Octree/RootGrid.h"
+#include "Volume/VolumeSettings.h"
+
+#include <optional>
+
+class vtkRenderer;
+class vtkVolume;
+class vtkVolumeMapper;
+class vtkVolumeProperty;
+
+namespace treeamr
+{
+
+class Field;
+
+/// VTK's blend modes of values; composite for all others.
+VolumeBlend convertBlendMode(int mode);
+bool blendsValues(vtkVolumeMapper* mapper);
+
+/// As VTK's GPU mapper does: a headlight alone shines from the eye along each line of sight, with the ambient term in
+/// the sample's colour; of other lights that term is in their ambient colours, black by default, as all is without
+/// lights. Nothing without shading.
+std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolume* volume);
+
+/// A function that is 1 everywhere, which VTK makes when it copies properties, changes nothing.
+bool hasGradientOpacity(vtkVolumeProperty* property);
+/// The property's function of the change of the field across the width of its finest cells, which VTK has of an image's
+/// spacing: up to a quarter of the field's range, and constant beyond, as VTK's tables.
+std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* property, const Field& field);
+
+/// All of these.
+VolumeSettings convertVolumeEffects(
+  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field);
+
+} // namespace treeamr

@@ -1,0 +1,243 @@
+// Light, gradient opacity and blend modes of vtkTreeAMRVolumeMapper: against VTK's own volume mapper on a uniform grid,
+// and where VTK can do several things at once.
+#include "RenderingScene.h"
+#include "VolumePair.h"
+
+#include "vtkCamera.h"
+#include "vtkContourValues.h"
+#include "vtkLight.h"
+#include "vtkPiecewiseFunction.h"
+#include "vtkRenderer.h"
+#include "vtkTable.h"
+#include "vtkVariant.h"
+#include "vtkVolumeProperty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+using namespace treeamr::test;
+
+namespace
+{
+
+/// Of 255, in the mean over drawn pixels.
+constexpr double tolerance = 2.;
+
+class VolumeEffectsTest : public RenderingTest
+{
+protected:
+  static double difference(VolumePair& pair)
+  {
+    return pair.difference([](vtkVolumeMapper* /*mapper*/) {});
+  }
+
+  static vtkLight* addLight(vtkRenderer* renderer, int type, const Point& position, const Color& color)
+  {
+    vtkNew<vtkLight> light;
+    light->SetLightType(type);
+    light->SetPosition(position[0], position[1], position[2]);
+    light->SetFocalPoint(0., 0., 0.);
+    light->SetColor(color[0], color[1], color[2]);
+    renderer->AddLight(light);
+    return light;
+  }
+
+  static void setLight(vtkVolumeProperty* property)
+  {
+    property->ShadeOn();
+    property->SetAmbient(0.2);
+    property->SetDiffuse(0.7);
+    property->SetSpecular(0.3);
+    property->SetSpecularPower(12.);
+  }
+};
+
+} // namespace
+
+TEST_F(VolumeEffectsTest, headlightAsVTK)
+{
+  VolumePair pair;
+  const double plain = difference(pair);
+  setLight(pair.property());
+  for (const bool parallel : { false, true })
+  {
+    pair.scene.setCamera(parallel);
+    EXPECT_LT(difference(pair), tolerance) << parallel << ", plain " << plain;
+  }
+  pair.scene.renderer->SetTwoSidedLighting(false);
+  EXPECT_LT(difference(pair), tolerance) << "one-sided";
+}
+
+TEST_F(VolumeEffectsTest, otherLightsAsVTK)
+{
+  VolumePair pair;
+  setLight(pair.property());
+  vtkRenderer* renderer = pair.scene.renderer;
+  renderer->AutomaticLightCreationOff();
+  renderer->RemoveAllLights();
+  EXPECT_LT(difference(pair), tolerance) << "no light";
+  vtkLight* camera = addLight(renderer, VTK_LIGHT_TYPE_CAMERA_LIGHT, { 1., 1., 1. }, { 1., 0.9, 0.8 });
+  EXPECT_LT(difference(pair), tolerance) << "camera light";
+  camera->SwitchOff();
+  vtkLight* scene = addLight(renderer, VTK_LIGHT_TYPE_SCENE_LIGHT, { 2., 3., 4. }, { 0.9, 0.7, 0.5 });
+  scene->SetAmbientColor(0.3, 0.1, 0.6);
+  EXPECT_LT(difference(pair), tolerance) << "scene light";
+  addLight(renderer, VTK_LIGHT_TYPE_HEADLIGHT, { 0., 0., 1. }, { 0.3, 0.4, 0.5 });
+  EXPECT_LT(difference(pair), tolerance) << "two lights";
+}
+
+// VTK mirrors highlights of positional lights to both sides.
+TEST_F(VolumeEffectsTest, positionalLightsAsVTKButForHighlights)
+{
+  VolumePair pair;
+  setLight(pair.property());
+  pair.property()->SetSpecular(0.);
+  vtkRenderer* renderer = pair.scene.renderer;
+  renderer->AutomaticLightCreationOff();
+  renderer->RemoveAllLights();
+  vtkLight* light = addLight(renderer, VTK_LIGHT_TYPE_SCENE_LIGHT, { 1.5, 1.5, 2. }, { 1., 1., 1. });
+  light->SetPositional(true);
+  light->SetConeAngle(180.);
+  light->SetAttenuationValues(0.4, 0.1, 0.05);
+  EXPECT_LT(difference(pair), tolerance);
+  light->SetConeAngle(25.);
+  light->SetExponent(2.);
+  EXPECT_LT(difference(pair), tolerance) << "cone";
+}
+
+TEST_F(VolumeEffectsTest, gradientOpacityAsVTK)
+{
+  VolumePair pair;
+  const double plain = difference(pair);
+  vtkNew<vtkPiecewiseFunction> function;
+  function->AddPoint(0., 0.);
+  function->AddPoint(0.03, 0.2);
+  function->AddPoint(0.06, 1.);
+  pair.property()->SetGradientOpacity(function);
+  EXPECT_LT(difference(pair), tolerance);
+  setLight(pair.property());
+  EXPECT_LT(difference(pair), tolerance) << "lit";
+  pair.property()->ShadeOff();
+  pair.property()->DisableGradientOpacityOn();
+  EXPECT_NEAR(difference(pair), plain, 1e-9) << "off";
+}
+
+TEST_F(VolumeEffectsTest, blendModesAsVTK)
+{
+  VolumePair pair;
+  pair.property()->SetScalarOpacityUnitDistance(0.7);
+  for (const int mode : { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND, vtkVolumeMapper::MINIMUM_INTENSITY_BLEND,
+         vtkVolumeMapper::AVERAGE_INTENSITY_BLEND, vtkVolumeMapper::ADDITIVE_BLEND })
+  {
+    EXPECT_LT(pair.difference([mode](vtkVolumeMapper* mapper) { mapper->SetBlendMode(mode); }), tolerance)
+      << mode;
+  }
+  const auto averageOfARange = [](vtkVolumeMapper* mapper) {
+    mapper->SetBlendModeToAverageIntensity();
+    mapper->SetAverageIPScalarRange(0.3, 0.8);
+  };
+  EXPECT_LT(pair.difference(averageOfARange), tolerance) << "average of a range";
+}
+
+// In the segments of depth peeling each side of a translucent rectangle has its own maximum.
+TEST_F(VolumeEffectsTest, maximaInDepthPeeling)
+{
+  Scene scene;
+  vtkVolume* volume = scene.addVolume(makeTestGrid(), "one", { 0.9, 0.5, 0.2 }, 0.8);
+  volume->GetProperty()->SetScalarOpacityUnitDistance(1.);
+  Scene::mapperOf(volume)->SetBlendModeToMaximumIntensity();
+  const double opacity = volume->GetProperty()->GetScalarOpacity()->GetValue(1.);
+  const Color blue{ 0.1, 0.2, 0.9 };
+  scene.addRectangle({ 0., 0., 0.1 }, { 0.5, 0., 0. }, { 0., 0.5, 0. }, blue, 0.4);
+  scene.renderer->UseDepthPeelingOn();
+  scene.renderer->UseDepthPeelingForVolumesOn();
+  scene.setCameraAlongZ();
+  const auto pixels = scene.render();
+  const Layer part{ { 0.9, 0.5, 0.2 }, opacity };
+  const Color inside = composite({ part, { blue, 0.4 }, part }, { 0., 0., 0. });
+  const Color beside = composite({ part }, { 0., 0., 0. });
+  const auto expectAt = [&](int x, int y, const Color& expected) {
+    for (int c = 0; c < 3; ++c)
+    {
+      EXPECT_NEAR(pixels[static_cast<std::size_t>(y) * scene.width() + x][c], expected[c], 2.5 / 255.)
+        << x << ", " << y;
+    }
+  };
+  expectAt(scene.width() / 2, scene.height() / 2, inside);
+  expectAt(scene.width() / 2, 2, beside);
+}
+
+TEST_F(VolumeEffectsTest, litFramesMeetAnError)
+{
+  VolumePair pair;
+  setLight(pair.property());
+  pair.showOurs();
+  pair.mapper()->SetSamplesPerCell(0.25);
+  pair.mapper()->EstimateErrorOn();
+  const auto estimate = [&] {
+    pair.scene.render();
+    return pair.mapper()->GetStatistics()->GetValueByName(0, "EstimatedError").ToDouble();
+  };
+  const double error = estimate();
+  EXPECT_GT(error, 0.);
+  pair.mapper()->SetTargetError(0.3 * error);
+  EXPECT_LE(estimate(), 0.3 * error);
+  EXPECT_GT(estimate(), 0.);
+}
+
+// Drafts have fewer rays and cells, and the light of the full picture.
+TEST_F(VolumeEffectsTest, draftsAreLitToo)
+{
+  VolumePair pair;
+  setLight(pair.property());
+  pair.showOurs();
+  const auto unlit = [&] {
+    pair.property()->ShadeOff();
+    const auto picture = pair.scene.render();
+    pair.property()->ShadeOn();
+    return picture;
+  }();
+  const auto mean = [](const auto& a, const auto& b) {
+    double sum = 0.;
+    for (std::size_t i = 0; i < a.size(); ++i)
+    {
+      sum += std::abs(a[i][0] - b[i][0]) / static_cast<double>(a.size());
+    }
+    return sum;
+  };
+  const auto full = pair.scene.render();
+  pair.mapper()->AutoAdjustSampleDistancesOff();
+  pair.mapper()->SetImageSampleDistance(2.);
+  const auto draft = pair.scene.render();
+  EXPECT_NE(draft, full);
+  EXPECT_LT(mean(draft, full), 0.2 * mean(unlit, full));
+}
+
+// One pass, in order: what stands before a lit volume's isosurface lets its light through.
+TEST_F(VolumeEffectsTest, isosurfacesInsideALitVolume)
+{
+  VolumePair pair;
+  setLight(pair.property());
+  MessageCounter messages(pair.mapper());
+  vtkVolumeProperty* property = pair.property();
+  property->GetIsoSurfaceValues()->SetNumberOfContours(1);
+  property->GetIsoSurfaceValues()->SetValue(0, 0.7);
+  pair.showOurs();
+  const auto volume = pair.scene.render();
+  pair.mapper()->ShowIsosurfacesOn();
+  const auto both = pair.scene.render();
+  int opaquer = 0;
+  for (std::size_t i = 0; i < volume.size(); ++i)
+  {
+    EXPECT_GE(both[i][3], volume[i][3] - 2.f / 255.f);
+    opaquer += both[i][3] > volume[i][3] + 0.05f;
+  }
+  EXPECT_GT(opaquer, 100);
+  EXPECT_TRUE(messages.warnings.empty());
+  EXPECT_TRUE(messages.errors.empty());
+  pair.mapper()->RemoveAllObservers();
+}
