@@ -16,8 +16,8 @@ struct Light
   Vec3 direction{};        // the way the light travels, unit length
   double coneAngle = 180.; // half angle in degrees; >= 90: no cone; positional only
   double exponent = 1.;
-  Vec3 attenuation{ 1., 0., 0. };              // constant, linear, quadratic
-  std::array<float, 3> color{ 1.f, 1.f, 1.f }; // times intensity
+  Vec3 attenuation{ 1., 0., 0. };                      // constant, linear, quadratic
+  std::array<float, 3> color{ 1.f, 1.f, 1.f };         // times intensity
   std::array<float, 3> specularColor{ 1.f, 1.f, 1.f }; // the same, of highlights in volumes
   bool castsShadows = true;
   /// Whether the highlight depends on the angle between the light and the normal, as VTK has it for a headlight alone,

@@ -57,8 +57,8 @@ void check(const VolumeShading& shading)
     }
   };
   const auto three = [](const std::array<float, 3>& rgb) { return Vec3{ rgb[0], rgb[1], rgb[2] }; };
-  checkAll("a coefficient of its light",
-    Vec3{ shading.ambient, shading.diffuse, shading.specular }, three(shading.ambientLight));
+  checkAll("a coefficient of its light", Vec3{ shading.ambient, shading.diffuse, shading.specular },
+    three(shading.ambientLight));
   checkAll("an element of the lights' matrix", shading.lightsFromData);
   if (!(shading.specularPower >= 0.f) || !std::isfinite(shading.specularPower))
   {
@@ -67,8 +67,8 @@ void check(const VolumeShading& shading)
   }
   for (const Light& light : shading.lights)
   {
-    checkAll("a property of a light", light.position, light.direction, light.attenuation,
-      three(light.color), three(light.specularColor), Vec3{ light.coneAngle, light.exponent, 0. });
+    checkAll("a property of a light", light.position, light.direction, light.attenuation, three(light.color),
+      three(light.specularColor), Vec3{ light.coneAngle, light.exponent, 0. });
   }
 }
 
@@ -81,8 +81,8 @@ void check(const GradientOpacity& function)
   }
   if (function.entries.size() < 2)
   {
-    throw Error("volume: gradient opacity of " + std::to_string(function.entries.size()) +
-      " entries, needed are two");
+    throw Error(
+      "volume: gradient opacity of " + std::to_string(function.entries.size()) + " entries, needed are two");
   }
   for (const float entry : function.entries)
   {
@@ -109,8 +109,8 @@ void check(const RayView& view, const VolumeSettings& settings)
   }
   if (!isComposite && (!(settings.unitDistance > 0.) || !std::isfinite(settings.unitDistance)))
   {
-    throw Error(
-      "volume: a unit distance of " + std::to_string(settings.unitDistance) + ", allowed are lengths above 0");
+    throw Error("volume: a unit distance of " + std::to_string(settings.unitDistance) +
+      ", allowed are lengths above 0");
   }
   if (std::isnan(settings.averageRange.min) || std::isnan(settings.averageRange.max))
   {

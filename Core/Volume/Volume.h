@@ -33,7 +33,8 @@ struct PixelGroup
 };
 
 /// A field seen through a transfer function, and what its frames have in common: the function's table, and vertex
-/// values of earlier frames, and vertex gradients where they were lit. Of its calls one at a time; each takes all threads of TBB's arena.
+/// values of earlier frames, and vertex gradients where they were lit. Of its calls one at a time; each takes all threads
+/// of TBB's arena.
 class Volume
 {
 public:
@@ -78,9 +79,9 @@ private:
 
   std::shared_ptr<const Field> field_;
   TransferFunction transferFunction_;
-  std::unique_ptr<VolumeTable> table_; // of the last frame; null: of another function
-  std::size_t budget_;                 // of bytes
-  std::unique_ptr<BlockCache> kept_; // null: no frame has been rendered
+  std::unique_ptr<VolumeTable> table_;           // of the last frame; null: of another function
+  std::size_t budget_;                           // of bytes
+  std::unique_ptr<BlockCache> kept_;             // null: no frame has been rendered
   std::unique_ptr<GradientCache> keptGradients_; // null: the last frame was not lit
 };
 

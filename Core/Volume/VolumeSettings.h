@@ -20,8 +20,8 @@ enum class VolumeBlend
   Composite, // emission and absorption, front to back
   Maximum,   // the largest value, in its colour and its opacity
   Minimum,   // the smallest one
-  Average,   // mean over the ray's length of opacity times value, the values' range taken as 0 to 1: an opaque grey
-  Additive   // integral of opacity times value over lengths in unit distances, in the same way
+  Average, // mean over the ray's length of opacity times value, the values' range taken as 0 to 1: an opaque grey
+  Additive // integral of opacity times value over lengths in unit distances, in the same way
 };
 
 /// How a volume reflects light: at each sample by the field's gradient there, which is continuous where cells of
@@ -76,17 +76,17 @@ struct VolumeSettings
 
 struct VolumeStatistics
 {
-  std::uint64_t rays = 0;      // that had a part of the view to themselves
-  std::uint64_t nodes = 0;     // inner nodes entered
-  std::uint64_t kept = 0;      // blocks of leaves whose vertex values were found
-  std::uint64_t blocks = 0;    // that were computed
-  std::uint64_t cells = 0;     // leaves in these
+  std::uint64_t rays = 0;          // that had a part of the view to themselves
+  std::uint64_t nodes = 0;         // inner nodes entered
+  std::uint64_t kept = 0;          // blocks of leaves whose vertex values were found
+  std::uint64_t blocks = 0;        // that were computed
+  std::uint64_t cells = 0;         // leaves in these
   std::uint64_t keptGradients = 0; // blocks whose vertex gradients were found
   std::uint64_t gradients = 0;     // that were computed
-  std::uint64_t intervals = 0; // vectors of rays taken through a leaf or block
-  std::uint64_t steps = 0;     // of these vectors
-  std::uint64_t litSteps = 0;  // that were not transparent for all of their rays
-  std::uint64_t samples = 0;   // of the field along rays
+  std::uint64_t intervals = 0;     // vectors of rays taken through a leaf or block
+  std::uint64_t steps = 0;         // of these vectors
+  std::uint64_t litSteps = 0;      // that were not transparent for all of their rays
+  std::uint64_t samples = 0;       // of the field along rays
 
   VolumeStatistics& operator+=(const VolumeStatistics& other) noexcept
   {

@@ -255,8 +255,7 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 {
   const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
   const bool hasCategories = this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty());
-  this->Private->Messages.unsupported(
-    treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces));
+  this->Private->Messages.unsupported(treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces));
 }
 
 //------------------------------------------------------------------------------

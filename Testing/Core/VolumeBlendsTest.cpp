@@ -33,8 +33,8 @@ constexpr float tolerance = 2e-3f;
 std::vector<LeafCell> waves(const RandomTree& options, double size = 1., double offset = 0.)
 {
   std::vector<LeafCell> cells = makeRandomTree(options);
-  setValues(cells,
-    [&](const auto& p) { return offset + size * std::sin(3. * p[0] + p[1]) * std::cos(2. * p[2]); });
+  setValues(
+    cells, [&](const auto& p) { return offset + size * std::sin(3. * p[0] + p[1]) * std::cos(2. * p[2]); });
   return cells;
 }
 
@@ -127,7 +127,8 @@ void expectAlike(const Field& field, const Camera& camera, const RayStops& stops
     ofKernel.samplesPerCell = isExtreme ? ofKernel.samplesPerCell : 64.;
     renderVolume(field, colors(), camera, stops, ofKernel, image);
     // Rays along edges aside. Of a part of the values the reference's own samples count or not.
-    EXPECT_LT(partThatDiffers(image, expected), std::isfinite(settings.averageRange.min) ? 0.006 : 0.003) << what;
+    EXPECT_LT(partThatDiffers(image, expected), std::isfinite(settings.averageRange.min) ? 0.006 : 0.003)
+      << what;
   });
 }
 
@@ -151,8 +152,7 @@ TEST(VolumeBlends, EqualTheReferenceOnEveryTarget)
         most = std::max(most, c);
       }
       EXPECT_GT(most, 0.2f) << blend.name << ", " << view.name;
-      expectAlike(
-        *field, camera, {}, blend.settings, expected, std::string(blend.name) + ", " + view.name);
+      expectAlike(*field, camera, {}, blend.settings, expected, std::string(blend.name) + ", " + view.name);
       std::array<Image, 2> firsts{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
       forEachKernel(blend.settings, [&](const std::string& kernel, const VolumeSettings& settings) {
         Image image(width, height);
@@ -198,8 +198,8 @@ TEST(VolumeBlends, SkippingNeverChangesABitOnAnyTarget)
 {
   const auto field = waveField();
   // Half of the values are transparent, which sums can leave out.
-  const TransferFunction half = TransferFunction::ofNodes({ { 0., {}, { 0.f, 1.f, 0.f, 0.f } },
-    { 1., { 1.f, 0.f, 0.f, 2.f }, { 1.f, 0.f, 0.f, 2.f } } });
+  const TransferFunction half = TransferFunction::ofNodes(
+    { { 0., {}, { 0.f, 1.f, 0.f, 0.f } }, { 1., { 1.f, 0.f, 0.f, 2.f }, { 1.f, 0.f, 0.f, 2.f } } });
   for (const Blend& blend : blends())
   {
     for (const View& view : views())
@@ -299,8 +299,7 @@ TEST(VolumeBlends, HugeAndTinyFieldsAreAlike)
     for (const double size : { 1., 1e-30, 1e38 })
     {
       const auto field = makeField(unitRoots(options.roots), waves(options, size));
-      const TransferFunction function(
-        -size, size, { { 0.9f, 0.2f, 0.1f, 0.1f }, { 0.3f, 0.7f, 0.9f, 2.f } });
+      const TransferFunction function(-size, size, { { 0.9f, 0.2f, 0.1f, 0.1f }, { 0.3f, 0.7f, 0.9f, 2.f } });
       Image image(width, height);
       renderVolume(*field, function, camera, {}, blend.settings, size == 1. ? expected : image);
       if (size != 1.)
@@ -322,11 +321,9 @@ TEST(VolumeBlends, RefuseSurfacesAndRangesThatAreNone)
   }
   Image image(width, height);
   VolumeSettings settings;
-  EXPECT_NO_THROW(
-    renderVolume(*field, colors(), camera, hits.stops(nullptr, nullptr), settings, image));
+  EXPECT_NO_THROW(renderVolume(*field, colors(), camera, hits.stops(nullptr, nullptr), settings, image));
   settings.blend = VolumeBlend::Maximum;
-  EXPECT_THROW(
-    renderVolume(*field, colors(), camera, hits.stops(nullptr, nullptr), settings, image), Error);
+  EXPECT_THROW(renderVolume(*field, colors(), camera, hits.stops(nullptr, nullptr), settings, image), Error);
   settings.blend = VolumeBlend::Average;
   settings.unitDistance = 0.;
   EXPECT_THROW(renderVolume(*field, colors(), camera, {}, settings, image), Error);

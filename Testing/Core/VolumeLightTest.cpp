@@ -404,8 +404,7 @@ TEST(VolumeLight, HugeAndTinyFieldsAreLitAlike)
   for (const double size : { 1., 1e-30, 1e37 })
   {
     const auto field = fieldOf(options, [&](const auto& p) { return size * wave(p); });
-    const TransferFunction ofSize(
-      -size, size, { { 0.9f, 0.2f, 0.1f, 0.f }, { 0.2f, 0.5f, 0.9f, 2.f } });
+    const TransferFunction ofSize(-size, size, { { 0.9f, 0.2f, 0.1f, 0.f }, { 0.2f, 0.5f, 0.9f, 2.f } });
     VolumeSettings settings;
     settings.shading = shadings()[3].second;
     settings.shading->lightsFromData = view.viewFromData;

@@ -15,8 +15,8 @@ double gradientOpacity(const GradientOpacity& function, const Vec3& gradient)
   return std::lerp(function.entries[entry], function.entries[entry + 1], at - static_cast<double>(entry));
 }
 
-std::array<double, 3> lightVolume(const VolumeShading& shading, const Vec3& point, const Vec3& gradient,
-  const std::array<double, 3>& color)
+std::array<double, 3> lightVolume(
+  const VolumeShading& shading, const Vec3& point, const Vec3& gradient, const std::array<double, 3>& color)
 {
   const Matrix4& m = shading.lightsFromData;
   std::array<Vec3, 3> columns; // of directions

@@ -12,7 +12,7 @@ namespace treeamr::test
 double gradientOpacity(const GradientOpacity& function, const Vec3& gradient);
 
 /// point and gradient: in data coordinates.
-std::array<double, 3> lightVolume(const VolumeShading& shading, const Vec3& point, const Vec3& gradient,
-  const std::array<double, 3>& color);
+std::array<double, 3> lightVolume(
+  const VolumeShading& shading, const Vec3& point, const Vec3& gradient, const std::array<double, 3>& color);
 
 } // namespace treeamr::test

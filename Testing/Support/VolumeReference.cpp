@@ -40,8 +40,8 @@ struct TileRay
   // Of blends of values:
   Ray ray{};
   double extreme = std::numeric_limits<double>::quiet_NaN(); // value
-  double sum = 0.;                                           // of opacity times value in the field's range times length
-  double length = 0.;                                        // that counts
+  double sum = 0.;    // of opacity times value in the field's range times length
+  double length = 0.; // that counts
 };
 
 /// The field inside a leaf from its 27 vertex values.
@@ -90,7 +90,8 @@ public:
     BlockVertices vertices{};
     for (int v = 0; v < 27; ++v)
     {
-      add(vertices, v % 3 + 2 * sideOf(octant, 0), v / 3 % 3 + 2 * sideOf(octant, 1), v / 9 + 2 * sideOf(octant, 2));
+      add(vertices, v % 3 + 2 * sideOf(octant, 0), v / 3 % 3 + 2 * sideOf(octant, 1),
+        v / 9 + 2 * sideOf(octant, 2));
     }
     BlockGradients gradients{};
     evaluator.compute(BlockPath(path), BlockCells::Leaves, vertices, gradients);
@@ -222,8 +223,8 @@ private:
 
   double opacityOf(double value) const noexcept
   {
-    return -std::expm1(
-      -static_cast<double>(transferFunction_.at(static_cast<float>(value)).extinction) * settings_.unitDistance);
+    return -std::expm1(-static_cast<double>(transferFunction_.at(static_cast<float>(value)).extinction) *
+      settings_.unitDistance);
   }
   double inRange(double value) const noexcept
   {
@@ -526,8 +527,8 @@ private:
         }
         if (settings_.shading)
         {
-          color = lightVolume(
-            *settings_.shading, pointAt(ray.ray, interval[0] + f * length), gradient, color);
+          color =
+            lightVolume(*settings_.shading, pointAt(ray.ray, interval[0] + f * length), gradient, color);
         }
       }
       const double weight = ray.transmittance * -std::expm1(-extinction * step);

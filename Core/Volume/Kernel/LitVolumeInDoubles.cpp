@@ -1,4 +1,5 @@
-// The volume kernel with light and gradient opacity, of double lanes; the best instruction set is chosen when the program runs.
+// The volume kernel with light and gradient opacity, of double lanes; the best instruction set is chosen when the
+// program runs.
 #include "InstructionSets.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -123,8 +123,8 @@ public:
           return inTable(toTable, between<Real>(f, lower, upper));
         };
         const Reals<Real> quarter = hn::Mul(halfSize, half<Real>());
-        const Reals<Real> largest = largestOf(
-          after(hn::Neg(halfSize)), after(hn::Neg(quarter)), after(hn::Zero(d)), after(halfSize));
+        const Reals<Real> largest =
+          largestOf(after(hn::Neg(halfSize)), after(hn::Neg(quarter)), after(hn::Zero(d)), after(halfSize));
         most = hn::IfThenElse(isMore, hn::Max(most, hn::Min(largest, bound)), most);
       }
       at = hn::Add(at, size);
@@ -147,8 +147,7 @@ public:
     {
       return {};
     }
-    const double value =
-      scene_.placeOrigin + (scene_.perValue != 0. ? most_[ray] / scene_.perValue : 0.);
+    const double value = scene_.placeOrigin + (scene_.perValue != 0. ? most_[ray] / scene_.perValue : 0.);
     const TransferFunction::Entry entry = scene_.transferFunction.at(static_cast<float>(value));
     const double opacity = opacityOf(scene_, entry.extinction);
     return { static_cast<Real>(opacity * entry.r), static_cast<Real>(opacity * entry.g),
@@ -165,7 +164,8 @@ private:
     Reals<Real> most = lower[0];
     for (int r = 0; r < 4; ++r)
     {
-      most = isFalling ? hn::Min(most, hn::Min(lower[r], upper[r])) : hn::Max(most, hn::Max(lower[r], upper[r]));
+      most =
+        isFalling ? hn::Min(most, hn::Min(lower[r], upper[r])) : hn::Max(most, hn::Max(lower[r], upper[r]));
     }
     return most;
   }
@@ -179,10 +179,9 @@ private:
     const typename CubicPiece<Real>::Turns turns = piece.turns();
     for (const Reals<Real> u : turns.at)
     {
-      const Mask<Real> isInside = hn::And(turns.areReal,
-        hn::And(hn::Gt(u, hn::Zero(d)), hn::Lt(u, hn::Set(d, Real(1)))));
-      largest =
-        hn::IfThenElse(isInside, hn::Max(largest, piece(hn::IfThenElseZero(isInside, u))), largest);
+      const Mask<Real> isInside =
+        hn::And(turns.areReal, hn::And(hn::Gt(u, hn::Zero(d)), hn::Lt(u, hn::Set(d, Real(1)))));
+      largest = hn::IfThenElse(isInside, hn::Max(largest, piece(hn::IfThenElseZero(isInside, u))), largest);
     }
     return largest;
   }
@@ -207,8 +206,8 @@ public:
     const double perValue = scene.transferFunction.scale() * scene.table.perEntry;
     constexpr double far = 0x1p100;
     perEntry_ = static_cast<Real>(std::clamp(perPlace * perValue, -far, far));
-    firstEntry_ = static_cast<Real>(
-      std::clamp((scene.placeOrigin - scene.transferFunction.min()) * perValue, -far, far));
+    firstEntry_ =
+      static_cast<Real>(std::clamp((scene.placeOrigin - scene.transferFunction.min()) * perValue, -far, far));
     const auto placeOf = [&](float value) {
       // Of a field of one value all others are far from its place.
       const double difference = value - scene.placeOrigin;

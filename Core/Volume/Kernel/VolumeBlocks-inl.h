@@ -208,9 +208,8 @@ private:
     const auto lastEntry = std::min(static_cast<std::size_t>(last) + 1, table.variation.size() - 1);
     const double variation = table.variation[lastEntry] - table.variation[firstEntry];
     // Light may change all that is seen, not only what differs in the table.
-    const double lit = Loop == VolumeLoop::Lit
-      ? variation + table.entries[firstEntry].extinction * std::numbers::ln2
-      : 0.;
+    const double lit =
+      Loop == VolumeLoop::Lit ? variation + table.entries[firstEntry].extinction * std::numbers::ln2 : 0.;
     block.variation = static_cast<Real>(variation + lit);
     block.preIntegrate = scene_.features.preIntegration &&
       (table.rough[lastEntry] > table.rough[firstEntry] || isFlat(width * scale) ||

@@ -1,4 +1,5 @@
-// The volume kernel of the largest or smallest value on each ray; the best instruction set is chosen when the program runs.
+// The volume kernel of the largest or smallest value on each ray; the best instruction set is chosen when the program
+// runs.
 #include "InstructionSets.h"
 
 #undef HWY_TARGET_INCLUDE

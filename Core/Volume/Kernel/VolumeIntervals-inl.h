@@ -304,11 +304,13 @@ protected:
       Real i = 0;
       for (; i + 1 < mostSamples; i += 2)
       {
-        statistics_.litSteps += takePoints<2>(table_, span, i, values, block.toTable, lattice, lighting, light);
+        statistics_.litSteps +=
+          takePoints<2>(table_, span, i, values, block.toTable, lattice, lighting, light);
       }
       if (i < mostSamples)
       {
-        statistics_.litSteps += takePoints<1>(table_, span, i, values, block.toTable, lattice, lighting, light);
+        statistics_.litSteps +=
+          takePoints<1>(table_, span, i, values, block.toTable, lattice, lighting, light);
       }
     }
     hn::Store(light.opacity, d, opacity_ + ray);

@@ -42,7 +42,8 @@ struct VolumeKernelScene;
 /// Of VolumeShading, with its coefficients in the colours.
 struct KernelLight
 {
-  bool isAtEye; // shines along the lines of sight, as strong everywhere; then the rest but the colours is of no use
+  bool
+    isAtEye; // shines along the lines of sight, as strong everywhere; then the rest but the colours is of no use
   bool isPositional;
   bool isCone;
   Vec3 position;
@@ -71,8 +72,8 @@ struct VolumeIllumination
   std::vector<KernelLight> lights;
   std::array<Vec3, 3> normalFromGradient{};              // rows; up to a positive factor
   std::array<std::array<double, 4>, 3> viewFromKernel{}; // rows
-  const float* gradientOpacity; // null: none
-  double entriesPerLength = 0.; // of a gradient as GradientCache scales them
+  const float* gradientOpacity;                          // null: none
+  double entriesPerLength = 0.;                          // of a gradient as GradientCache scales them
   double lastEntry = 0.;
   double hiddenLength = -1.; // of gradients up to which gradient opacity is 0; negative: none
 

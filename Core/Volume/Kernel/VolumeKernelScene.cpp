@@ -35,8 +35,8 @@ VolumeIllumination::VolumeIllumination(const VolumeSettings& settings, const Vol
     lastEntry = static_cast<double>(function.entries.size() - 1);
     const double perGradient = scene.gradients->scale();
     entriesPerLength = perGradient > 0. ? lastEntry / (function.longest * perGradient) : 0.;
-    const auto visible = std::find_if(
-      function.entries.begin(), function.entries.end(), [](float entry) { return entry > 0.f; });
+    const auto visible =
+      std::find_if(function.entries.begin(), function.entries.end(), [](float entry) { return entry > 0.f; });
     const auto hidden = static_cast<double>(visible - function.entries.begin());
     hiddenLength = visible == function.entries.end() ? std::numeric_limits<double>::infinity()
       : hidden > 0. && entriesPerLength > 0.         ? (hidden - 1.) / entriesPerLength
@@ -117,8 +117,8 @@ void VolumeIllumination::addLights(const VolumeShading& shading, double unit)
     light.exponent = from.exponent;
     light.attenuation = { from.attenuation[0], from.attenuation[1] * unit,
       from.attenuation[2] * unit * unit };
-    light.isAtEye = from.positional && !light.isCone && from.position == Vec3{} &&
-      from.attenuation == Vec3{ 1., 0., 0. };
+    light.isAtEye =
+      from.positional && !light.isCone && from.position == Vec3{} && from.attenuation == Vec3{ 1., 0., 0. };
     bool shinesOn = false;
     for (int c = 0; c < 3; ++c)
     {

@@ -41,8 +41,8 @@ HWY_INLINE Reals<Real> logarithm(Reals<Real> x)
   // Where one is a number's last bit, its lowest bits are whole numbers.
   const Reals<Real> wholes = hn::Set(d, Real(1) / Limits::epsilon());
   const auto bits = hn::BitCast(du, x);
-  Reals<Real> exponent = hn::Sub(
-    hn::BitCast(d, hn::Or(hn::ShiftRight<mantissa>(bits), hn::BitCast(du, wholes))), wholes);
+  Reals<Real> exponent =
+    hn::Sub(hn::BitCast(d, hn::Or(hn::ShiftRight<mantissa>(bits), hn::BitCast(du, wholes))), wholes);
   exponent = hn::Sub(exponent, hn::Set(d, Real(Limits::max_exponent - 2)));
   const auto ofHalf = hn::BitCast(du, hn::Set(d, Real(0.5)));
   const auto fraction = hn::BitCast(du, hn::Set(d, Real(1) - Limits::epsilon() / 2));
@@ -149,8 +149,8 @@ public:
         return sum;
       };
       sight_[r] = slope_[r] = row(direction, hn::Zero(d));
-      start_[r] = scene.needsPoints ? row(start, hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][3])))
-                                    : slope_[r];
+      start_[r] =
+        scene.needsPoints ? row(start, hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][3]))) : slope_[r];
     }
     normalize<Real>(sight_);
   }
@@ -165,8 +165,7 @@ public:
       Reals<Real> lower[4];
       Reals<Real> upper[4];
       gradients_[a].pairs(spot.vertex, lower, upper);
-      gradient[a] =
-        hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
+      gradient[a] = hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
     }
     Effect effect;
     effect.opacity = hn::Set(d, Real(1));
@@ -258,11 +257,11 @@ private:
         continue;
       }
       // What is mirrored on the normal, towards the eye.
-      const Reals<Real> closeness = hn::Sub(
-        hn::Mul(hn::Add(cosine, cosine), towards), dotted<Real>(travels, sight));
+      const Reals<Real> closeness =
+        hn::Sub(hn::Mul(hn::Add(cosine, cosine), towards), dotted<Real>(travels, sight));
       const Reals<Real> highlight = hn::IfThenElseZero(hn::Gt(facing, hn::Zero(d)),
-        hn::Mul(arrives,
-          power<Real>(hn::ZeroIfNegative(closeness), static_cast<Real>(scene_.specularPower))));
+        hn::Mul(
+          arrives, power<Real>(hn::ZeroIfNegative(closeness), static_cast<Real>(scene_.specularPower))));
       for (int c = 0; c < 3; ++c)
       {
         effect.plus[c] = mulAdd(highlight, hn::Set(d, static_cast<Real>(light.specular[c])), effect.plus[c]);

@@ -511,7 +511,8 @@ VolumeStatistics renderRow(const VolumeKernelScene& scene, int row, int columnBe
 template <class Real, RayOrigins Origins, VolumeLoop Loop>
 VolumeLoops loopsOf()
 {
-  return { renderRow<Real, Origins, Loop>, renderListed<Real, Origins, Loop>, repeatRow<Real, Origins, Loop> };
+  return { renderRow<Real, Origins, Loop>, renderListed<Real, Origins, Loop>,
+    repeatRow<Real, Origins, Loop> };
 }
 
 } // namespace HWY_NAMESPACE

@@ -10,8 +10,9 @@
 // Image: width * height pixels of four floats, row by row from the lower left: linear red, green and blue times alpha,
 // alpha. Extinction counts per unit of length of the field's coordinates (of the world, where the camera is given a
 // matrix to it). VolumeSettings has light, gradient opacity and what else rays may make of values: their largest or
-// smallest, averages, sums. RayStops, in a RayView beside the camera, leaves out what clipping planes, cropping regions and depths
-// hide. The next frame, from wherever, has the vertex values of this one. Rendering is on all threads of TBB's arena.
+// smallest, averages, sums. RayStops, in a RayView beside the camera, leaves out what clipping planes, cropping regions
+// and depths hide. The next frame, from wherever, has the vertex values of this one. Rendering is on all threads of TBB's
+// arena.
 #pragma once
 
 #include "Field/TransferFunction.h"
