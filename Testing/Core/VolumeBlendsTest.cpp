@@ -4,6 +4,7 @@
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/ImageError.h"
 #include "Support/Kernels.h"
 #include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
@@ -87,32 +88,6 @@ double partThatDiffers(const Image& a, const Image& b)
     count += differs;
   }
   return count / static_cast<double>(a.width * a.height);
-}
-
-float largestDifference(const Image& a, const Image& b)
-{
-  float largest = 0.f;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i)
-  {
-    const float difference = std::abs(a.rgba[i] - b.rgba[i]);
-    largest = difference <= largest ? largest : difference; // NaN counts
-  }
-  return largest;
-}
-
-/// Over the channels of drawn pixels.
-double meanDifference(const Image& a, const Image& b)
-{
-  double sum = 0.;
-  int drawn = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); i += 4)
-  {
-    for (std::size_t c = i; c < i + 4 && b.rgba[i + 3] > 0.f; ++c, ++drawn)
-    {
-      sum += std::abs(a.rgba[c] - b.rgba[c]);
-    }
-  }
-  return sum / std::max(drawn, 1);
 }
 
 /// At many samples all but everywhere, extremes at any; at the default ones in the mean.

@@ -4,6 +4,7 @@
 #include "Octree/OctreeBuilder.h"
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
+#include "Support/ImageError.h"
 #include "Support/Kernels.h"
 #include "Support/ListSource.h"
 #include "Support/OneFrame.h"
@@ -67,16 +68,6 @@ PixelHits makeHits(const Camera& camera)
     }
   }
   return hits;
-}
-
-float largestDifference(const Image& a, const Image& b)
-{
-  float largest = 0.f;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i)
-  {
-    largest = std::max(largest, std::abs(a.rgba[i] - b.rgba[i]));
-  }
-  return largest;
 }
 
 } // namespace

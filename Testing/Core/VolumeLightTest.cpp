@@ -5,6 +5,7 @@
 #include "Support/Cameras.h"
 #include "Support/CornerFunction.h"
 #include "Support/Fields.h"
+#include "Support/ImageError.h"
 #include "Support/Kernels.h"
 #include "Support/OneFrame.h"
 #include "Support/PixelHits.h"
@@ -123,32 +124,6 @@ std::vector<std::pair<const char*, VolumeShading>> shadings()
 GradientOpacity steepParts()
 {
   return { 4., { 0.f, 0.1f, 0.8f, 1.f, 0.6f } };
-}
-
-float largestDifference(const Image& a, const Image& b)
-{
-  float largest = 0.f;
-  for (std::size_t i = 0; i < a.rgba.size(); ++i)
-  {
-    const float difference = std::abs(a.rgba[i] - b.rgba[i]);
-    largest = difference <= largest ? largest : difference; // NaN counts
-  }
-  return largest;
-}
-
-/// Over the channels of drawn pixels.
-double meanDifference(const Image& a, const Image& b)
-{
-  double sum = 0.;
-  int drawn = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); i += 4)
-  {
-    for (std::size_t c = i; c < i + 4 && b.rgba[i + 3] > 0.f; ++c, ++drawn)
-    {
-      sum += std::abs(a.rgba[c] - b.rgba[c]);
-    }
-  }
-  return sum / std::max(drawn, 1);
 }
 
 /// Pictures of every kernel are those of the reference, and have the same bits on all instruction sets.

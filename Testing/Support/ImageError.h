@@ -3,6 +3,7 @@
 
 #include "Geometry/Image.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -18,6 +19,33 @@ inline double rmse(const Image& a, const Image& b, std::size_t channels = 4)
     sum += i % 4 < channels ? std::pow(static_cast<double>(a.rgba[i]) - b.rgba[i], 2) : 0.;
   }
   return std::sqrt(sum * 4. / static_cast<double>(channels * a.rgba.size()));
+}
+
+/// Of a channel; NaN where one is.
+inline float largestDifference(const Image& a, const Image& b)
+{
+  float largest = 0.f;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i)
+  {
+    const float difference = std::abs(a.rgba[i] - b.rgba[i]);
+    largest = difference <= largest ? largest : difference;
+  }
+  return largest;
+}
+
+/// Over the channels of the pixels that b has.
+inline double meanDifference(const Image& a, const Image& b)
+{
+  double sum = 0.;
+  int drawn = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4)
+  {
+    for (std::size_t c = i; c < i + 4 && b.rgba[i + 3] > 0.f; ++c, ++drawn)
+    {
+      sum += std::abs(a.rgba[c] - b.rgba[c]);
+    }
+  }
+  return sum / std::max(drawn, 1);
 }
 
 } // namespace treeamr::test
