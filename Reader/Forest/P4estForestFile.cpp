@@ -186,11 +186,38 @@ void addThirdAxis(P4estConnectivity& connectivity, std::uint64_t corners)
   }
 }
 
+/// tree_to_tree and tree_to_face, which are kept where there are no vertices.
+void readNeighbours(
+  P4estInputFile& file, const ConnectivityHeader& header, int dimension, P4estConnectivity& connectivity)
+{
+  const auto trees = static_cast<std::int64_t>(header.trees);
+  const int faces = 2 * dimension;
+  const int orientations = 1 << (dimension - 1);
+  const bool isKept = header.vertices == 0;
+  connectivity.neighbours.resize(isKept ? header.trees : 0);
+  const auto neighbour = [&](std::uint64_t i) -> P4estConnectivity::Neighbour& {
+    return connectivity.neighbours[i / static_cast<unsigned>(faces)][i % static_cast<unsigned>(faces)];
+  };
+  const std::uint64_t count = static_cast<std::uint64_t>(faces) * header.trees;
+  file.checkTable<std::int32_t>(count, 0, trees, "tree_to_tree", [&](std::uint64_t i, std::int32_t tree) {
+    if (isKept)
+    {
+      neighbour(i).tree = tree;
+    }
+  });
+  file.checkTable<std::int8_t>(
+    count, 0, faces * orientations, "tree_to_face", [&](std::uint64_t i, std::int8_t face) {
+      if (isKept)
+      {
+        neighbour(i).face = static_cast<std::int8_t>(face % faces);
+        neighbour(i).orientation = static_cast<std::int8_t>(face / faces);
+      }
+    });
+}
+
 P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeader& header, int dimension)
 {
   const std::uint64_t children = std::uint64_t(1) << dimension;
-  const std::uint64_t faces = 2 * static_cast<std::uint64_t>(dimension);
-  const int orientations = 1 << (dimension - 1);
   const auto trees = static_cast<std::int64_t>(header.trees);
   const auto vertices = static_cast<std::int64_t>(header.vertices);
   const auto edges = static_cast<std::int64_t>(header.edges);
@@ -227,26 +254,7 @@ P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeade
         }
       });
   }
-  if (vertices > 0)
-  {
-    file.checkTable<std::int32_t>(faces * header.trees, 0, trees, "tree_to_tree");
-    file.checkTable<std::int8_t>(
-      faces * header.trees, 0, static_cast<int>(faces) * orientations, "tree_to_face");
-  }
-  else
-  {
-    connectivity.neighbours.resize(header.trees);
-    file.checkTable<std::int32_t>(
-      faces * header.trees, 0, trees, "tree_to_tree", [&](std::uint64_t i, std::int32_t tree) {
-        connectivity.neighbours[i / faces][i % faces].tree = tree;
-      });
-    file.checkTable<std::int8_t>(faces * header.trees, 0, static_cast<int>(faces) * orientations,
-      "tree_to_face", [&](std::uint64_t i, std::int8_t face) {
-        P4estConnectivity::Neighbour& neighbour = connectivity.neighbours[i / faces][i % faces];
-        neighbour.face = static_cast<std::int8_t>(face % static_cast<int>(faces));
-        neighbour.orientation = static_cast<std::int8_t>(face / static_cast<int>(faces));
-      });
-  }
+  readNeighbours(file, header, dimension, connectivity);
   file.seek(file.position() + header.trees * header.attributeBytes);
   if (dimension == 3)
   {
