@@ -261,8 +261,14 @@ void addArrays(bool ofPoints, BlockArrays& result)
       const std::string name = array->GetName() ? array->GetName() : "";
       const auto isKnown = [&](const BlockArray& known) { return known.name == name; };
       const bool isWanted = !ofPoints || !result.points.isWanted || result.points.isWanted(name);
-      if (!isWanted || name == vtkDataSetAttributes::GhostArrayName() ||
-        std::ranges::any_of(result.arrays, isKnown) ||
+      const auto known = std::ranges::find_if(result.arrays, isKnown);
+      const std::string hidden = "point array '" + name + "' has the name of a cell array";
+      if (isWanted && ofPoints && known != result.arrays.end() && !known->ofPoints &&
+        std::ranges::find(result.leftOut, hidden) == result.leftOut.end())
+      {
+        result.leftOut.push_back(hidden);
+      }
+      if (!isWanted || name == vtkDataSetAttributes::GhostArrayName() || known != result.arrays.end() ||
         std::ranges::any_of(result.leftOut,
           [&](const std::string& text) { return text.starts_with(kind + " array '" + name + "'"); }))
       {

@@ -9,6 +9,7 @@
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
+#include "vtkDataObject.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkNew.h"
 
@@ -310,6 +311,26 @@ std::vector<NamedGrid> gridsWithTrees(vtkDataObject* input)
     add(leaves->GetCurrentDataObject(), nameOfBlock(*leaves));
   }
   return grids;
+}
+
+std::vector<std::string> blocksOfOtherKinds(vtkDataObject* input)
+{
+  std::vector<std::string> others;
+  if (auto* const composite = vtkCompositeDataSet::SafeDownCast(input))
+  {
+    const auto leaves = vtk::TakeSmartPointer(composite->NewIterator());
+    for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
+    {
+      vtkDataObject* const data = leaves->GetCurrentDataObject();
+      const bool isEmpty = data->GetNumberOfElements(vtkDataObject::CELL) == 0 &&
+        data->GetNumberOfElements(vtkDataObject::POINT) == 0;
+      if (!vtkHyperTreeGrid::SafeDownCast(data) && !isEmpty)
+      {
+        others.push_back(nameOfBlock(*leaves) + " is a " + data->GetClassName());
+      }
+    }
+  }
+  return others;
 }
 
 std::vector<std::string> mergeGrids(const std::vector<NamedGrid>& grids, vtkHyperTreeGrid* merged)

@@ -28,10 +28,12 @@ int vtkTreeAMRMergeGrids::FillInputPortInformation(int, vtkInformation* info)
 void vtkTreeAMRMergeGrids::Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output)
 {
   const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(pieces.front());
+  treeamr::BlockArrays arrays;
+  arrays.leftOut = treeamr::blocksOfOtherKinds(pieces.front());
   if (!grids.empty())
   {
-    treeamr::BlockArrays arrays;
-    arrays.leftOut = treeamr::mergeGrids(grids, output);
-    this->WarnOfArrays(arrays);
+    const std::vector<std::string> ofArrays = treeamr::mergeGrids(grids, output);
+    arrays.leftOut.insert(arrays.leftOut.end(), ofArrays.begin(), ofArrays.end());
   }
+  this->WarnOfArrays(arrays);
 }

@@ -120,6 +120,13 @@ int vtkTreeAMRRepresentation::RequestData(
       {
         this->MergeGrids(input);
       }
+      for (const std::string& block : treeamr::blocksOfOtherKinds(input))
+      {
+        if (this->SaidOfBlocks.insert(block).second)
+        {
+          vtkWarningMacro(<< block << ", of which this representation draws nothing: show it by itself.");
+        }
+      }
       treeamr::computeLocalBounds(this->Grid, this->LocalBounds);
     }
     catch (const std::exception& e)

@@ -12,6 +12,7 @@
 #include "vtkSmartPointer.h"                 // for Grid
 #include "vtkTreeAMRRepresentationsModule.h" // for the export macro
 
+#include <set>    // for what was said
 #include <string> // for array names
 #include <vector> // for isovalues
 
@@ -81,6 +82,7 @@ private:
 
   vtkNew<SweepDrafts> Drafts;
   std::string LastLeftOut; // by MergeGrids()
+  std::set<std::string> SaidOfBlocks;
   double LocalBounds[6];
   bool HasExecuted = false; // RequestData(), in this update of the view
 };

@@ -70,6 +70,8 @@ SettingNames unsupportedSettings(
     { "Shade of categories", property->GetShade() && hasCategories && !hasSurfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
     { "GradientOpacity of categories", hasGradientOpacity(property) && hasCategories },
+    { "GradientOpacity with the maximum BlendMode",
+      hasGradientOpacity(property) && mapper->GetBlendMode() == vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND },
     { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && hasSurfaces },
     { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
     { "IndependentComponents off", !property->GetIndependentComponents() },

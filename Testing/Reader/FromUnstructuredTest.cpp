@@ -544,8 +544,9 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
   input->GetPointData()->AddArray(number);
 
   const MadeGrid result = convert(input);
-  ASSERT_EQ(result.warnings.size(), 1u);
+  ASSERT_EQ(result.warnings.size(), 2u);
   expectIn(result.warnings[0], "averaged to the cells: points10, points6, points3.");
+  expectIn(result.warnings[1], "left out: point array 'number' has the name of a cell array.");
   vtkNew<vtkPointDataToCellData> averages;
   input->GetPointData()->RemoveArray("number");
   averages->SetInputData(input);

@@ -14,6 +14,7 @@
 #include "vtkHyperTreeGridAxisReflection.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
+#include "vtkPolyData.h"
 
 #include <gtest/gtest.h>
 
@@ -199,6 +200,13 @@ TEST(MergeGrids, WhatCannotBeMergedIsNamed)
   ASSERT_EQ(made.warnings.size(), 1u);
   expectIn(made.warnings[0], "cell array 'count' is not in block 2");
   EXPECT_EQ(made.grid->GetCellData()->GetArray("count"), nullptr);
+
+  const auto withPoints = collectionOf({ grid });
+  withPoints->SetBlock(1, randomPoints({ 0., 1., 0., 1., 0., 1. }, 5));
+  const MadeGrid beside = makeGridBy<vtkTreeAMRMergeGrids>(withPoints);
+  EXPECT_EQ(beside.grid->GetNumberOfLeaves(), grid->GetNumberOfLeaves());
+  ASSERT_EQ(beside.warnings.size(), 1u);
+  expectIn(beside.warnings[0], "left out: block 2 is a vtkPolyData");
 
   const auto finer = makeUniformlyRefinedGrid(3);
   const auto coarser = makeUniformlyRefinedGrid(2);

@@ -243,12 +243,13 @@ TEST_F(MapperSettingsTest, lightAndBlendModesHaveAnEffectWithoutAWord)
     volumeMapper_->SetBlendMode(mode);
     expectOther("BlendMode");
   }
-  EXPECT_TRUE(messages.warnings.empty());
   // What such pictures cannot hold, or categories not have, is said.
+  ASSERT_EQ(messages.warnings.size(), 1u);
+  EXPECT_NE(messages.warnings[0].find("GradientOpacity with the maximum"), std::string::npos);
   volumeMapper_->ShowIsosurfacesOn();
   EXPECT_TRUE(scene_.render() == last);
-  ASSERT_EQ(messages.warnings.size(), 1u);
-  EXPECT_NE(messages.warnings[0].find("ShowIsosurfaces"), std::string::npos);
+  ASSERT_EQ(messages.warnings.size(), 2u);
+  EXPECT_NE(messages.warnings[1].find("ShowIsosurfaces"), std::string::npos);
   EXPECT_TRUE(messages.errors.empty());
   volumeMapper_->RemoveAllObservers();
 }
