@@ -7,6 +7,7 @@
 #include "HyperTreeGridConverter.h"
 #include "Interpolation/Sampler.h"
 #include "Support/ExampleForests.h"
+#include "Support/ForestBytes.h"
 #include "Support/HyperTreeGrids.h"
 
 #include "vtkCellData.h"
@@ -56,6 +57,7 @@ std::vector<DrawnCell> leaves(vtkHyperTreeGrid* grid, const std::string& array)
 
 TEST(HexahedraOfWriters, P8estVtkHasTheForest)
 {
+  const TemporaryFolder folder;
   for (ForestWriter forest :
     { ForestWriter::unitCube(), ForestWriter::brick({ 3, 2, 2 }), ForestWriter::named("twocubes") })
   {
@@ -71,17 +73,17 @@ TEST(HexahedraOfWriters, P8estVtkHasTheForest)
       std::memcpy(&values.emplace_back(), q.payload.data(), sizeof(double));
     }
     ASSERT_GT(values.size(), 1u);
-    forest.save("writers.p8est");
+    forest.save(folder.file("writers.p8est"));
     vtkNew<vtkTreeAMRP4estReader> saved;
-    saved->SetFileName("writers.p8est");
+    saved->SetFileName(folder.file("writers.p8est").c_str());
     saved->SetPayload("double value");
     saved->GenerateLevelOn();
     saved->Update();
     for (const double scale : { 0.95, 1. })
     {
-      forest.saveVtk("writers", "value", values, scale);
+      forest.saveVtk(folder.file("writers"), "value", values, scale);
       vtkNew<vtkXMLPUnstructuredGridReader> reader;
-      reader->SetFileName("writers.pvtu");
+      reader->SetFileName(folder.file("writers.pvtu").c_str());
       vtkNew<vtkTreeAMRFromUnstructured> filter;
       filter->SetInputConnection(reader->GetOutputPort());
       const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
@@ -108,6 +110,7 @@ TEST(HexahedraOfWriters, P8estVtkHasTheForest)
 // Trees in any orientation, which the forest's own file says and the hexahedra do not need to; no boxes.
 TEST(HexahedraOfWriters, P8estVtkOfOtherConnectivities)
 {
+  const TemporaryFolder folder;
   for (const auto& [name, isOfBoxes] : { std::pair("twowrap", true), std::pair("periodic", true),
          std::pair("rotwrap", true), std::pair("rotcubes", false), std::pair("shell", false) })
   {
@@ -116,9 +119,9 @@ TEST(HexahedraOfWriters, P8estVtkOfOtherConnectivities)
     forest.refine([](const ForestQuadrant& q) { return q.level < 1; });
     refineAtRandom(forest, 4, 4);
     const auto quadrants = forest.quadrants();
-    forest.saveVtk("others", "value", std::vector<double>(quadrants.size(), 1.));
+    forest.saveVtk(folder.file("others"), "value", std::vector<double>(quadrants.size(), 1.));
     vtkNew<vtkXMLPUnstructuredGridReader> reader;
-    reader->SetFileName("others.pvtu");
+    reader->SetFileName(folder.file("others.pvtu").c_str());
     vtkNew<vtkTreeAMRFromUnstructured> filter;
     filter->SetInputConnection(reader->GetOutputPort());
     const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
