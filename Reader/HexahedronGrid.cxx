@@ -115,7 +115,10 @@ public:
       return std::nullopt;
     }
     cells.sort();
-    checkOverlaps(cells);
+    keepFirstOfDuplicates(
+      cells, [this](const CellNumber& first, const CellNumber& second, const CellId& /*place*/) {
+        throw Error("cells overlap: " + describe(first) + ", and " + describe(second));
+      });
     return cells;
   }
 
@@ -307,36 +310,6 @@ private:
       }
     }
     return std::nullopt;
-  }
-
-  template <class Cells>
-  void checkOverlaps(Cells& cells) const
-  {
-    const Parts parts(cells.size());
-    std::vector<std::uint8_t> duplicates(parts.size(), 0);
-    std::vector<std::size_t> overlaps(parts.size(), 0);
-    parts.forEach([&](std::size_t p) {
-      for (std::size_t i = std::max<std::size_t>(parts.begin(p), 1); i < parts.end(p); ++i)
-      {
-        if (cells.overlapsBefore(i))
-        {
-          cells.isSameAsBefore(i) ? duplicates[p] = 1 : overlaps[p] = i;
-        }
-      }
-    });
-    for (const std::size_t i : overlaps)
-    {
-      if (i > 0)
-      {
-        const auto [first, second] = std::minmax(cells.value(i - 1), cells.value(i));
-        throw Error(
-          "cells overlap: " + describe(CellNumber(first)) + ", and " + describe(CellNumber(second)));
-      }
-    }
-    if (std::ranges::find(duplicates, 1) != duplicates.end())
-    {
-      cells.removeDuplicates();
-    }
   }
 
   std::string describe(const CellNumber& number) const

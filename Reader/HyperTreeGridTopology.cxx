@@ -79,8 +79,8 @@ std::array<std::vector<double>, 3> readRootPlanes(vtkHyperTreeGrid& grid)
 {
   if (grid.GetDimension() != 3)
   {
-    throw Error(
-      "hyper tree grid: its dimension is " + std::to_string(grid.GetDimension()) + ", allowed is 3; ParaView's Surface shows others");
+    throw Error("hyper tree grid: its dimension is " + std::to_string(grid.GetDimension()) +
+      ", allowed is 3; ParaView's Surface shows others");
   }
   std::array<std::vector<double>, 3> planes;
   const unsigned int* count = grid.GetDimensions();

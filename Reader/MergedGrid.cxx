@@ -96,7 +96,7 @@ public:
         SortedCells<Keys, std::uint64_t> cells(padding, deepest_, cellCount_);
         setCells(cells);
         cells.sort();
-        removeOverlaps(cells);
+        keepFirstOfDuplicates(cells, [this](const auto&... found) { this->failOfOverlap(found...); });
         buildGrid(cells, planes_, arrays, merged);
       });
     }
@@ -132,7 +132,8 @@ private:
     {
       const RootGrid& roots = topologies_[g].rootGrid();
       const auto placeOf = [&](double coordinate) {
-        return static_cast<Coord>(std::ranges::upper_bound(planes, coordinate + tolerance) - planes.begin()) - 1;
+        return static_cast<Coord>(std::ranges::upper_bound(planes, coordinate + tolerance) - planes.begin()) -
+          1;
       };
       firstPlace_.resize(grids_.size());
       firstPlace_[g][axis] = placeOf(roots.worldPlane(axis, 0, 0));
@@ -171,8 +172,8 @@ private:
     }
     tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
       TreeCells& cells = trees_[t];
-      forEachLeaf(
-        topologies_[cells.grid], *cells.tree, 0, rootOf(cells), [&](const CellId& place, vtkIdType /*vertex*/) {
+      forEachLeaf(topologies_[cells.grid], *cells.tree, 0, rootOf(cells),
+        [&](const CellId& place, vtkIdType /*vertex*/) {
           ++cells.before;
           cells.deepest = std::max(cells.deepest, place.level);
         });
@@ -199,36 +200,17 @@ private:
     });
   }
 
-  template <class Cells>
-  void removeOverlaps(Cells& cells) const
+  [[noreturn]] void failOfOverlap(
+    const CellNumber& first, const CellNumber& second, const CellId& place) const
   {
-    bool hasDuplicates = false;
-    for (std::size_t i = 1; i < cells.size(); ++i)
+    const RootGrid roots(planes_);
+    std::array<double, 3> low{};
+    for (int a = 0; a < 3; ++a)
     {
-      if (!cells.overlapsBefore(i))
-      {
-        continue;
-      }
-      if (!cells.isSameAsBefore(i))
-      {
-        const CellId place = cells.cell(i);
-        const RootGrid roots(planes_);
-        std::array<double, 3> low{};
-        for (int a = 0; a < 3; ++a)
-        {
-          low[a] = roots.worldPlane(a, place.index[a], place.level);
-        }
-        const auto [first, second] = std::minmax(cells.value(i - 1), cells.value(i));
-        throw Error(grids_[CellNumber(first).block()].name + " and " +
-          grids_[CellNumber(second).block()].name + ": cells of different levels overlap at " +
-          textOf(low) + ", allowed is one at each place");
-      }
-      hasDuplicates = true;
+      low[a] = roots.worldPlane(a, place.index[a], place.level);
     }
-    if (hasDuplicates)
-    {
-      cells.removeDuplicates();
-    }
+    throw Error(grids_[first.block()].name + " and " + grids_[second.block()].name +
+      ": cells of different levels overlap at " + textOf(low) + ", allowed is one at each place");
   }
 
   BlockArrays arraysOfGrids()
@@ -287,7 +269,7 @@ private:
 std::vector<NamedGrid> gridsWithTrees(vtkDataObject* input)
 {
   std::vector<NamedGrid> grids;
-  const auto add = [&](vtkDataObject* data, const std::string& name) {
+  const auto add = [&](vtkDataObject* data, const std::string& name, unsigned int flatIndex) {
     auto* const grid = vtkHyperTreeGrid::SafeDownCast(data);
     vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
     if (grid)
@@ -295,20 +277,20 @@ std::vector<NamedGrid> gridsWithTrees(vtkDataObject* input)
       grid->InitializeTreeIterator(trees);
       if (trees.GetNextTree())
       {
-        grids.push_back({ grid, name });
+        grids.push_back({ grid, name, flatIndex });
       }
     }
   };
   auto* const composite = vtkCompositeDataSet::SafeDownCast(input);
   if (!composite)
   {
-    add(input, "hyper tree grid");
+    add(input, "hyper tree grid", 1);
     return grids;
   }
   const auto leaves = vtk::TakeSmartPointer(composite->NewIterator());
   for (leaves->InitTraversal(); !leaves->IsDoneWithTraversal(); leaves->GoToNextItem())
   {
-    add(leaves->GetCurrentDataObject(), nameOfBlock(*leaves));
+    add(leaves->GetCurrentDataObject(), nameOfBlock(*leaves), leaves->GetCurrentFlatIndex());
   }
   return grids;
 }

@@ -12,11 +12,12 @@ class vtkHyperTreeGrid;
 namespace treeamr
 {
 
-/// name: for messages.
+/// name: for messages. flatIndex: of its block in a composite data set, else 1.
 struct NamedGrid
 {
   vtkHyperTreeGrid* grid;
   std::string name;
+  unsigned int flatIndex = 1;
 };
 
 /// Those of a vtkHyperTreeGrid or of a composite data set that have trees.

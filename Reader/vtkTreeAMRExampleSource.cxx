@@ -107,8 +107,8 @@ void BuildRefined(vtkHyperTreeGrid* grid, const Field& field, const char* name, 
 {
   const auto refine = [&field, threshold](const std::array<std::uint32_t, 3>& index, int level) {
     const double width = std::ldexp(1., -level);
-    return treeamr::rangeOverProbes(
-             field, { index[0] * width, index[1] * width, index[2] * width }, width) > threshold;
+    return treeamr::rangeOverProbes(field, { index[0] * width, index[1] * width, index[2] * width }, width) >
+      threshold;
   };
   const treeamr::BalancedTreeBuilder builder(minimumLevel, maximumLevel, CellLimit, refine);
 
@@ -185,7 +185,8 @@ void vtkTreeAMRExampleSource::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Dataset: "
-     << (this->Dataset >= SYNTHETIC && this->Dataset <= SHEET ? DatasetNames[this->Dataset] : "unknown") << "\n";
+     << (this->Dataset >= SYNTHETIC && this->Dataset <= SHEET ? DatasetNames[this->Dataset] : "unknown")
+     << "\n";
   os << indent << "MinimumLevel: " << this->MinimumLevel << "\n";
   os << indent << "MaximumLevel: " << this->MaximumLevel << "\n";
   os << indent << "RefinementThreshold: " << this->RefinementThreshold << "\n";

@@ -155,9 +155,14 @@ void vtkTreeAMRGridAlgorithm::WarnOfArrays(const treeamr::BlockArrays& arrays)
   {
     this->Warn("arrays of points are averaged to the cells: " + Listed(arrays.averaged) + ".");
   }
-  if (!arrays.leftOut.empty())
+  this->WarnOfLeftOut(arrays.leftOut);
+}
+
+void vtkTreeAMRGridAlgorithm::WarnOfLeftOut(const std::vector<std::string>& leftOut)
+{
+  if (!leftOut.empty())
   {
-    this->Warn("left out: " + Listed(arrays.leftOut) + ".");
+    this->Warn("left out: " + Listed(leftOut) + ".");
   }
 }
 

@@ -42,6 +42,8 @@ protected:
   void Warn(const std::string& message);
   /// Of those that are averaged or left out.
   void WarnOfArrays(const treeamr::BlockArrays& arrays);
+  /// Nothing when there are none.
+  void WarnOfLeftOut(const std::vector<std::string>& leftOut);
 
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(

@@ -1,6 +1,5 @@
 #include "vtkTreeAMRMergeGrids.h"
 
-#include "BlockArrays.h"
 #include "MergedGrid.h"
 
 #include "vtkInformation.h"
@@ -28,12 +27,11 @@ int vtkTreeAMRMergeGrids::FillInputPortInformation(int, vtkInformation* info)
 void vtkTreeAMRMergeGrids::Convert(const std::vector<vtkDataObject*>& pieces, vtkHyperTreeGrid* output)
 {
   const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(pieces.front());
-  treeamr::BlockArrays arrays;
-  arrays.leftOut = treeamr::blocksOfOtherKinds(pieces.front());
+  std::vector<std::string> leftOut = treeamr::blocksOfOtherKinds(pieces.front());
   if (!grids.empty())
   {
-    const std::vector<std::string> ofArrays = treeamr::mergeGrids(grids, output);
-    arrays.leftOut.insert(arrays.leftOut.end(), ofArrays.begin(), ofArrays.end());
+    const std::vector<std::string> arrays = treeamr::mergeGrids(grids, output);
+    leftOut.insert(leftOut.end(), arrays.begin(), arrays.end());
   }
-  this->WarnOfArrays(arrays);
+  this->WarnOfLeftOut(leftOut);
 }

@@ -300,7 +300,8 @@ int vtkTreeAMRP4estReader::RequestData(
   if (!this->FileName || !*this->FileName)
   {
     this->ErrorCode = vtkErrorCode::NoFileNameError;
-    vtkErrorMacro("FileName is not set; allowed are forests saved by p8est_save or p4est_save, and deal.II's NAME.info.");
+    vtkErrorMacro(
+      "FileName is not set; allowed are forests saved by p8est_save or p4est_save, and deal.II's NAME.info.");
     return 1;
   }
   this->ErrorCode = vtkErrorCode::FileFormatError;

@@ -4,8 +4,6 @@
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkCommand.h"
-#include "vtkCompositeDataIterator.h"
-#include "vtkCompositeDataSet.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -26,45 +24,10 @@
 namespace
 {
 
-struct Block
-{
-  vtkHyperTreeGrid* Grid;
-  unsigned int FlatIndex;
-};
-
-/// The grids of an input that may be composite.
-std::vector<Block> findGrids(vtkDataObject* input)
-{
-  std::vector<Block> grids;
-  if (auto composite = vtkCompositeDataSet::SafeDownCast(input))
-  {
-    auto iterator = vtk::TakeSmartPointer(composite->NewIterator());
-    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
-    {
-      if (auto grid = vtkHyperTreeGrid::SafeDownCast(iterator->GetCurrentDataObject()))
-      {
-        grids.push_back({ grid, iterator->GetCurrentFlatIndex() });
-      }
-    }
-  }
-  else if (auto grid = vtkHyperTreeGrid::SafeDownCast(input))
-  {
-    grids.push_back({ grid, 1 });
-  }
-  return grids;
-}
-
 bool hasTrees(vtkAlgorithmOutput* producer)
 {
-  auto grid = vtkHyperTreeGrid::SafeDownCast(
-    producer ? producer->GetProducer()->GetOutputDataObject(producer->GetIndex()) : nullptr);
-  if (!grid)
-  {
-    return false;
-  }
-  vtkHyperTreeGrid::vtkHyperTreeGridIterator iterator;
-  grid->InitializeTreeIterator(iterator);
-  return iterator.GetNextTree() != nullptr;
+  return producer &&
+    !treeamr::gridsWithTrees(producer->GetProducer()->GetOutputDataObject(producer->GetIndex())).empty();
 }
 
 } // namespace
@@ -108,17 +71,18 @@ int vtkTreeAMRRepresentation::RequestData(
   if (inputVector[0]->GetNumberOfInformationObjects() == 1)
   {
     vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
-    const std::vector<Block> grids = findGrids(input);
+    const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
+    vtkHyperTreeGrid* const only = grids.empty() ? vtkHyperTreeGrid::SafeDownCast(input) : grids.front().grid;
     try
     {
-      if (grids.size() == 1)
+      if (grids.size() > 1)
       {
-        this->Grid->ShallowCopy(grids[0].Grid);
-        this->GridFlatIndex = grids[0].FlatIndex;
+        this->MergeGrids(input->GetClassName(), grids);
       }
-      else if (grids.size() > 1)
+      else if (only)
       {
-        this->MergeGrids(input);
+        this->Grid->ShallowCopy(only);
+        this->GridFlatIndex = grids.empty() ? 1 : grids.front().flatIndex;
       }
       for (const std::string& block : treeamr::blocksOfOtherKinds(input))
       {
@@ -139,30 +103,29 @@ int vtkTreeAMRRepresentation::RequestData(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRRepresentation::MergeGrids(vtkDataObject* input)
+void vtkTreeAMRRepresentation::MergeGrids(
+  const std::string& collection, const std::vector<treeamr::NamedGrid>& grids)
 {
-  const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
-  std::vector<std::string> leftOut;
+  std::string leftOut;
   try
   {
-    leftOut = grids.empty() ? leftOut : treeamr::mergeGrids(grids, this->Grid);
+    for (const std::string& array : treeamr::mergeGrids(grids, this->Grid))
+    {
+      leftOut += (leftOut.empty() ? "" : ", ") + array;
+    }
   }
   catch (const std::exception& e)
   {
-    throw treeamr::Error("The " + std::string(input->GetClassName()) + " holds " + std::to_string(grids.size()) +
+    throw treeamr::Error("The " + collection + " holds " + std::to_string(grids.size()) +
       " hyper tree grids that cannot be drawn as one: " + e.what() + ". Extract one block first.");
   }
   this->GridFlatIndex = 0;
-  std::string text;
-  for (const std::string& array : leftOut)
+  if (!leftOut.empty() && leftOut != this->LastLeftOut)
   {
-    text += (text.empty() ? "" : ", ") + array;
+    vtkWarningMacro(
+      "The " << collection << " is drawn as one grid without arrays that not all have: " << leftOut);
   }
-  if (!text.empty() && text != this->LastLeftOut)
-  {
-    vtkWarningMacro("The " << input->GetClassName() << " is drawn as one grid without arrays that not all have: " << text);
-  }
-  this->LastLeftOut = text;
+  this->LastLeftOut = leftOut;
 }
 
 //------------------------------------------------------------------------------

@@ -16,6 +16,11 @@
 #include <string> // for array names
 #include <vector> // for isovalues
 
+namespace treeamr
+{
+struct NamedGrid;
+}
+
 class SweepDrafts;
 class vtkAlgorithmOutput;
 class vtkHyperTreeGrid;
@@ -78,7 +83,7 @@ private:
   void operator=(const vtkTreeAMRRepresentation&) = delete;
 
   /// Throws treeamr::Error when they are on no lattice.
-  void MergeGrids(vtkDataObject* input);
+  void MergeGrids(const std::string& collection, const std::vector<treeamr::NamedGrid>& grids);
 
   vtkNew<SweepDrafts> Drafts;
   std::string LastLeftOut; // by MergeGrids()

@@ -181,7 +181,8 @@ PayloadReading ForestInput::readBlocks(const std::string& text) const
     if (forest_.dimension() == 2 && isOfSpace(said[b]))
     {
       throw Error(cells_->path() + ": payload \"" + said[b].text +
-        "\" is of elements in three dimensions, allowed in the two of this forest are FE_DGQ(0), members and skip");
+        "\" is of elements in three dimensions, allowed in the two of this forest are FE_DGQ(0), members and "
+        "skip");
     }
     appendFields(reading.fields, said[b].fields, blocks[b]);
   }

@@ -139,7 +139,8 @@ ConnectivityHeader readConnectivityHeader(P4estInputFile& file, int dimension)
   checkCount("corner entries", header.cornerEntries, 0, header.corners == 0);
 
   // No overflow: counts are below 2^31, so all but the attributes stay below 2^40.
-  const std::uint64_t tableBytes = (4 << dimension) * header.trees; // of an index for each of a tree's corners
+  const std::uint64_t tableBytes =
+    (4 << dimension) * header.trees; // of an index for each of a tree's corners
   const std::uint64_t bytes = 24 * header.vertices + (header.edges > 0 ? 48 * header.trees : 0) +
     (header.vertices > 0 ? tableBytes : 0) + (header.corners > 0 ? tableBytes : 0) +
     5 * 2 * dimension * header.trees + (dimension == 3 ? 4 * (header.edges + 1) : 0) +
@@ -269,8 +270,7 @@ P4estConnectivity readConnectivity(P4estInputFile& file, const ConnectivityHeade
   if (corners > 0)
   {
     file.checkTable<std::int32_t>(header.cornerEntries, 0, trees, "corner_to_tree");
-    file.checkTable<std::int8_t>(
-      header.cornerEntries, 0, static_cast<int>(children), "corner_to_corner");
+    file.checkTable<std::int8_t>(header.cornerEntries, 0, static_cast<int>(children), "corner_to_corner");
   }
   if (dimension == 2)
   {
@@ -283,8 +283,9 @@ ForestHeader readForestHeader(P4estInputFile& file, std::uint64_t trees, int dim
 {
   if (file.position() == file.size())
   {
-    file.fail("a connectivity only (p4est_connectivity_save, p8est_connectivity_save), allowed a forest saved by "
-              "p4est_save or p8est_save");
+    file.fail(
+      "a connectivity only (p4est_connectivity_save, p8est_connectivity_save), allowed a forest saved by "
+      "p4est_save or p8est_save");
   }
   const std::uint64_t begin = alignUp(file.position());
   if (file.size() < begin + sizeof(ForestHeader))

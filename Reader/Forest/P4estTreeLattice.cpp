@@ -240,8 +240,7 @@ TreeLattice latticeOfBoxes(const P4estForestFile& file, const UnitBoxes& boxes)
       }
     }
   }
-  return makeLattice(
-    file, std::move(planes), std::move(layout.places), std::move(layout.orientations));
+  return makeLattice(file, std::move(planes), std::move(layout.places), std::move(layout.orientations));
 }
 
 } // namespace

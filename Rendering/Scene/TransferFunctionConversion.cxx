@@ -475,8 +475,7 @@ private:
   {
     // Where values span octaves, so may what happens among them.
     const bool spansOctaves = a.value > 0. && b.value > 2. * a.value;
-    return functions_.at(
-      spansOctaves ? std::sqrt(a.value) * std::sqrt(b.value) : 0.5 * (a.value + b.value));
+    return functions_.at(spansOctaves ? std::sqrt(a.value) * std::sqrt(b.value) : 0.5 * (a.value + b.value));
   }
 
   /// Adds samples between a and b until entries follow the lines between these.

@@ -37,7 +37,8 @@ std::vector<Figure> readingFigures(const std::string& path)
   test::startP4est();
   const Cost libp4est = best([&] {
     p8est_connectivity_t* connectivity = nullptr;
-    p8est_t* const forest = p8est_load(path.c_str(), MPI_COMM_SELF, sizeof(double), 1, nullptr, &connectivity);
+    p8est_t* const forest =
+      p8est_load(path.c_str(), MPI_COMM_SELF, sizeof(double), 1, nullptr, &connectivity);
     p8est_destroy(forest);
     p8est_connectivity_destroy(connectivity);
   });

@@ -518,9 +518,7 @@ TEST(CornerValues, NoAimedRaySlipsThroughTheirSurfaces)
       {
         continue;
       }
-      const Vec3 away = unit(through - end);
-      const Ray ray{ { end[0] + reach * away[0], end[1] + reach * away[1], end[2] + reach * away[2] },
-        { -away[0], -away[1], -away[2] } };
+      const Ray ray = rayThrough(through, end, reach);
       SurfaceHit hit;
       ASSERT_TRUE(surface.intersect(ray, 0., reach, hit)) << "seed " << options.seed << ", ray " << i;
       ASSERT_TRUE(surface.occluded(ray, 0., reach));

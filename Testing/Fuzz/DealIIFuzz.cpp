@@ -13,8 +13,9 @@ using namespace treeamr;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-  constexpr std::array payloads = { "", "double u = FE_Q(1)", "double u = FE_DGQ(0)", "double u = FE_Q(1) corners",
-    "double u, v = FE_Q(2); skip", "float u(a, b) = FESystem<3>[FE_Q<3>(2)^3-FE_Q<3>(1)]", "skip; unsigned m" };
+  constexpr std::array payloads = { "", "double u = FE_Q(1)", "double u = FE_DGQ(0)",
+    "double u = FE_Q(1) corners", "double u, v = FE_Q(2); skip",
+    "float u(a, b) = FESystem<3>[FE_Q<3>(2)^3-FE_Q<3>(1)]", "skip; unsigned m" };
   const fuzz::HeapWatch watch(size);
   fuzz::Bytes bytes{ data, size };
   const auto takeSize = [&] {

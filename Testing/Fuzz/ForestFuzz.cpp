@@ -15,7 +15,8 @@ using namespace treeamr;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-  constexpr std::array payloads = { "", "double value", "int a; short b[3]", "packed char c; double d", "float f[2]" };
+  constexpr std::array payloads = { "", "double value", "int a; short b[3]", "packed char c; double d",
+    "float f[2]" };
   const fuzz::HeapWatch watch(size);
   const unsigned options = size > 0 ? data[size - 1] : 0u;
   const std::string folder = fuzz::writeFiles({ { "forest", { data, size } } });
@@ -25,7 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   reader->SetGenerateLevel((options & 1) != 0);
   reader->Update();
   vtkHyperTreeGrid* const grid = reader->GetHyperTreeGridOutput();
-  fuzz::require((reader->GetErrorCode() == 0) == (grid->GetNumberOfLeaves() > 0), "either an error or a grid");
+  fuzz::require(
+    (reader->GetErrorCode() == 0) == (grid->GetNumberOfLeaves() > 0), "either an error or a grid");
   if (grid->GetCellData()->GetNumberOfArrays() > 0)
   {
     try

@@ -40,7 +40,10 @@ public:
   }
 
 private:
-  std::size_t below(std::size_t end) { return std::uniform_int_distribution<std::size_t>(0, end - 1)(random_); }
+  std::size_t below(std::size_t end)
+  {
+    return std::uniform_int_distribution<std::size_t>(0, end - 1)(random_);
+  }
   Input::iterator somewhere(Input& input)
   {
     return input.begin() + static_cast<std::ptrdiff_t>(below(input.size()));

@@ -48,7 +48,8 @@ Cells cellsOf(const std::string& path, int ranks)
       std::array<double, 6> bounds{};
       for (int a = 0; a < 3; ++a)
       {
-        std::tie(bounds[2 * a], bounds[2 * a + 1]) = std::minmax(quadrant.corners[0][a], quadrant.corners[1][a]);
+        std::tie(bounds[2 * a], bounds[2 * a + 1]) =
+          std::minmax(quadrant.corners[0][a], quadrant.corners[1][a]);
       }
       cells[bounds] = quadrant;
     }
@@ -94,8 +95,8 @@ TEST(Connectivities, OfAllNamesSavedByAnyNumberOfProcesses)
   for (const int ranks : { 1, 2, 4 })
   {
     const TemporaryFolder folder;
-    const std::string command = std::string(TREEAMR_SAVE_CONNECTIVITIES) + " -np " + std::to_string(ranks) + " " +
-      TREEAMR_SAVE_CONNECTIVITIES_PROGRAM + " " + folder.file("") + names;
+    const std::string command = std::string(TREEAMR_SAVE_CONNECTIVITIES) + " -np " + std::to_string(ranks) +
+      " " + TREEAMR_SAVE_CONNECTIVITIES_PROGRAM + " " + folder.file("") + names;
     ASSERT_EQ(std::system(command.c_str()), 0) << command;
     for (const bool withPayload : { true, false })
     {

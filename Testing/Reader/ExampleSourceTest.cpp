@@ -241,7 +241,7 @@ TEST(ExampleSource, TakesTheSmallestAndUniformLevels)
 TEST(ExampleSource, LeavesOtherPiecesEmpty)
 {
   for (const int dataset : { vtkTreeAMRExampleSource::SYNTHETIC, vtkTreeAMRExampleSource::MANDELBULB,
-                            vtkTreeAMRExampleSource::SHEET })
+         vtkTreeAMRExampleSource::SHEET })
   {
     vtkNew<vtkTreeAMRExampleSource> source;
     source->SetDataset(dataset);

@@ -4,6 +4,7 @@
 
 #include "CornerArrays.h"
 #include "HyperTreeGridConverter.h"
+#include "MergedGrid.h"
 #include "vtkTreeAMRMergeGrids.h"
 
 #include "vtkBitArray.h"
@@ -54,7 +55,8 @@ Grid pieceOf(vtkHyperTreeGrid* grid, const IsKept& isKept)
   mask->SetNumberOfTuples(countVertices(grid));
   for (vtkIdType i = 0; i < mask->GetNumberOfTuples(); ++i)
   {
-    mask->SetValue(i, grid->GetMask() && grid->GetMask()->GetNumberOfTuples() > i && grid->GetMask()->GetValue(i));
+    mask->SetValue(
+      i, grid->GetMask() && grid->GetMask()->GetNumberOfTuples() > i && grid->GetMask()->GetValue(i));
   }
   forEachLeaf(grid, [&](const double* bounds, vtkIdType id) {
     if (!isKept(bounds))
@@ -187,6 +189,9 @@ TEST(MergeGrids, OneGridIsItself)
   const MadeGrid made = merge({ empty, grid });
   EXPECT_EQ(made.grid->GetCellData()->GetArray("scalar"), grid->GetCellData()->GetArray("scalar"));
   EXPECT_TRUE(merge({ empty }).errors.empty());
+  const auto named = gridsWithTrees(collectionOf({ empty, grid }));
+  ASSERT_EQ(named.size(), 1u);
+  EXPECT_EQ(named[0].flatIndex, 2u); // the collection itself is 0
   EXPECT_EQ(makeGridBy<vtkTreeAMRMergeGrids>(grid).grid->GetNumberOfLeaves(), grid->GetNumberOfLeaves());
 }
 

@@ -1,7 +1,7 @@
 // Forests of two dimensions, written by libp4est, as grids in a plane: each cell against libp4est's own bounds.
+#include "Support/PlanarForest.h"
 #include "Support/ForestBytes.h"
 #include "Support/HyperTreeGrids.h"
-#include "Support/PlanarForest.h"
 
 #include "Error.h"
 #include "HyperTreeGridConverter.h"
@@ -69,7 +69,9 @@ protected:
       const vtkIdType cell = found->second;
       EXPECT_EQ(cells->GetCell(cell)->GetBounds()[1], std::max(a[0], b[0]));
       EXPECT_EQ(cells->GetCell(cell)->GetBounds()[3], std::max(a[1], b[1]));
-      const auto component = [&](const char* name) { return cells->GetCellData()->GetArray(name)->GetComponent(cell, 0); };
+      const auto component = [&](const char* name) {
+        return cells->GetCellData()->GetArray(name)->GetComponent(cell, 0);
+      };
       EXPECT_EQ(component("value"), quadrant.value);
       EXPECT_EQ(component("level"), quadrant.level);
       EXPECT_EQ(component("treeid"), quadrant.tree);
@@ -123,8 +125,8 @@ TEST_F(PlanarForestTest, BricksAreGridsInAPlane)
 TEST_F(PlanarForestTest, TreesMayBeTurnedAndReflected)
 {
   // Corners of a unit square, counted from another one and in another direction.
-  constexpr std::array<std::array<int, 4>, 8> orders{ { { 0, 1, 2, 3 }, { 1, 0, 3, 2 }, { 2, 3, 0, 1 }, { 3, 2, 1, 0 },
-    { 0, 2, 1, 3 }, { 1, 3, 0, 2 }, { 2, 0, 3, 1 }, { 3, 1, 2, 0 } } };
+  constexpr std::array<std::array<int, 4>, 8> orders{ { { 0, 1, 2, 3 }, { 1, 0, 3, 2 }, { 2, 3, 0, 1 },
+    { 3, 2, 1, 0 }, { 0, 2, 1, 3 }, { 1, 3, 0, 2 }, { 2, 0, 3, 1 }, { 3, 1, 2, 0 } } };
   PlanarForest forest = PlanarForest::brick(8, 1);
   forest.refineAtRandom(4, 2);
   forest.moveCorners([&](int tree, int corner, const PlanarForest::Point&) {

@@ -38,6 +38,14 @@ inline Vec3 unit(const Vec3& v)
   return { v[0] / n, v[1] / n, v[2] / n };
 }
 
+/// Through a point to an end, other than that, from `reach` before the end on.
+inline Ray rayThrough(const Vec3& through, const Vec3& end, double reach)
+{
+  const Vec3 away = unit(through - end);
+  return { { end[0] + reach * away[0], end[1] + reach * away[1], end[2] + reach * away[2] },
+    { -away[0], -away[1], -away[2] } };
+}
+
 /// World to view coordinates, looking from the eye to the target.
 inline Matrix4 lookAt(const Vec3& eye, const Vec3& target, const Vec3& upwards = { 0.1, 1., 0.2 })
 {

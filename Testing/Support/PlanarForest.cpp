@@ -18,7 +18,8 @@ namespace
 /// Different for each quadrant.
 double valueOf(p4est_topidx_t tree, const p4est_quadrant_t& quadrant)
 {
-  return tree + 0.25 * quadrant.x / P4EST_ROOT_LEN + 0.0625 * quadrant.y / P4EST_ROOT_LEN + 1000. * quadrant.level;
+  return tree + 0.25 * quadrant.x / P4EST_ROOT_LEN + 0.0625 * quadrant.y / P4EST_ROOT_LEN +
+    1000. * quadrant.level;
 }
 
 struct Refinement
@@ -30,9 +31,12 @@ struct Refinement
 int shouldRefine(p4est_t* forest, p4est_topidx_t tree, p4est_quadrant_t* quadrant)
 {
   const auto& refinement = *static_cast<const Refinement*>(forest->user_pointer);
-  const std::uint64_t place = static_cast<std::uint64_t>(quadrant->x) << 32 ^ static_cast<std::uint64_t>(quadrant->y);
-  const std::uint64_t hash = (place ^ static_cast<std::uint64_t>(31 * tree + quadrant->level)) * 0x9e3779b97f4a7c15u;
-  return quadrant->level < refinement.maxLevel && (hash >> 40) % static_cast<std::uint64_t>(refinement.oneIn) == 0;
+  const std::uint64_t place =
+    static_cast<std::uint64_t>(quadrant->x) << 32 ^ static_cast<std::uint64_t>(quadrant->y);
+  const std::uint64_t hash =
+    (place ^ static_cast<std::uint64_t>(31 * tree + quadrant->level)) * 0x9e3779b97f4a7c15u;
+  return quadrant->level < refinement.maxLevel &&
+    (hash >> 40) % static_cast<std::uint64_t>(refinement.oneIn) == 0;
 }
 
 } // namespace

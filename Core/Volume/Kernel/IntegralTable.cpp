@@ -79,7 +79,8 @@ void divide(const Entry& a, const Entry& b, double tolerance, const Add& add)
   }
   const auto width = [&](double part) {
     const double extinction = a.extinction + part * slope;
-    return (tolerance * slope + std::sqrt(tolerance * (tolerance * slope * slope + 4. * bend * extinction))) / bend;
+    return (tolerance * slope + std::sqrt(tolerance * (tolerance * slope * slope + 4. * bend * extinction))) /
+      bend;
   };
   for (double part = width(0.); part < 1.; part += width(part))
   {
