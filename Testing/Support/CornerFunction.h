@@ -4,6 +4,8 @@
 
 #include "Field/Field.h"
 #include "Octree/OctreeBuilder.h"
+#include "Support/Fields.h"
+#include "Support/RandomTrees.h"
 
 #include <array>
 #include <functional>
@@ -48,5 +50,22 @@ private:
 
 /// The leaves of an octree, in their order.
 std::vector<CellId> leavesOf(const Octree& octree);
+
+/// A random function on a random tree.
+struct CornerCase
+{
+  RandomTree options;
+  std::vector<LeafCell> cells;
+  CornerFunction function;
+  std::shared_ptr<const Field> field;
+
+  explicit CornerCase(const RandomTree& tree)
+    : options(tree)
+    , cells(makeRandomTree(tree))
+    , function(cells, tree.seed)
+    , field(function.field(unitRoots(tree.roots)))
+  {
+  }
+};
 
 } // namespace treeamr::test
