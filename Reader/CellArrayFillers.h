@@ -1,5 +1,5 @@
-// One cell array each of a grid that is built from its leaves (HyperTreeGridBuilder.h), filled leaf by leaf. Private to
-// the module.
+// One cell array each of a grid that is built from its leaves (HyperTreeGridBuilder.h), filled leaf by leaf, by several
+// threads. Private to the module.
 #pragma once
 
 #include "CornerArrays.h"
@@ -18,6 +18,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace treeamr
 {
@@ -31,6 +32,14 @@ class CellArrayFiller
 public:
   virtual ~CellArrayFiller() = default;
   virtual void setLeaf(vtkIdType node, const TreeLeaf& leaf) = 0;
+  /// Of leaves that follow each other.
+  virtual void setLeaves(const std::vector<TreeLeaf>& leaves, const vtkIdType* nodes)
+  {
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+    {
+      setLeaf(nodes[i], leaves[i]);
+    }
+  }
   /// Told some leaves before that of this number, whose values may lie anywhere.
   virtual void prepare(std::uint64_t /*number*/) const {}
   /// present: mask of the children that have cells, one at least.

@@ -1,15 +1,20 @@
 #include "HyperTreeGridBuilder.h"
 
 #include "Error.h"
-#include "Geometry/Octant.h"
 
 #include "vtkBitArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkNew.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 #include <utility>
 
@@ -71,150 +76,437 @@ void HyperTreeGridBuilder::addArray(std::unique_ptr<CellArrayFiller> filler)
   fillers_.push_back(std::move(filler));
 }
 
-void HyperTreeGridBuilder::add(const TreeLeaf& leaf)
+/// Leaves that are read at a time, and what comes of them. Its memory serves one after the other.
+struct HyperTreeGridBuilder::Block
 {
-  if (leaf.tree != treeNumber_)
+  LeafBlock read;
+  std::exception_ptr error; // of reading or counting
+
+  // Of count().
+  std::vector<std::int8_t>
+    steps; // of each leaf: the level of the deepest node around it and the one before, -1: of another tree
+  struct TreeEnd
   {
-    finishTree();
-    startTree(leaf.tree);
-  }
-  while (complete_ || level_ != leaf.level || index_[level_] != leaf.index)
+    std::int32_t tree;
+    std::uint64_t inner;
+  };
+  std::vector<TreeEnd> ended; // before the last leaf
+  // What the last leaf leaves behind. Of the first leaf's tree counted from behind this leaf, of others from 0.
+  std::uint64_t inner = 0;
+  Path path{};
+
+  // Of startAt(): before the first leaf.
+  std::uint64_t innerBefore = 0;
+  Path pathBefore{};
+
+  // Of place().
+  std::vector<vtkIdType> nodes; // of each leaf
+  struct Subdivision
   {
-    if (complete_ || leaf.level > maxLevel)
-    {
-      fail("the cell of level " + std::to_string(leaf.level) + " at (" + std::to_string(leaf.index[0]) +
-          ", " + std::to_string(leaf.index[1]) + ", " + std::to_string(leaf.index[2]) + ")",
-        "disjoint cells in Morton order, of level " + std::to_string(maxLevel) + " at most");
-    }
-    isAround(leaf) ? subdivide() : mask();
-  }
-  for (const auto& filler : fillers_)
+    std::int32_t level;
+    vtkIdType node; // in its tree
+  };
+  std::vector<Subdivision> subdivisions;
+  struct TreeBegin
   {
-    filler->setLeaf(treeStarts_[treeNumber_] + node_[level_], leaf);
-  }
-  goOn(true);
+    std::int32_t tree;
+    std::size_t subdivision;
+  };
+  std::vector<TreeBegin> begun;
+  std::vector<Family> closed;                   // that began here, too, children before parents
+  std::size_t kept = 0;                         // levels of those from before that are still open
+  std::array<unsigned, maxLevel> addedBefore{}; // to the masks of those from before
+  std::vector<Family> open;                     // at the end, from level `kept` on
+  std::vector<vtkIdType> masked;                // in closed ones
+};
+
+namespace
+{
+
+/// Of the node of a level around the leaf, in its parent.
+int octantOf(const TreeLeaf& leaf, int level) noexcept
+{
+  const int up = leaf.level - level;
+  return static_cast<int>(
+    (leaf.index[0] >> up & 1) | (leaf.index[1] >> up & 1) << 1 | (leaf.index[2] >> up & 1) << 2);
 }
 
-void HyperTreeGridBuilder::finish()
+bool isCell(const TreeLeaf& leaf) noexcept
 {
-  finishTree();
+  return leaf.level >= 0 && leaf.level <= HyperTreeGridBuilder::maxLevel &&
+    (leaf.index[0] | leaf.index[1] | leaf.index[2]) >> leaf.level == 0;
+}
+
+constexpr int noStep = -2;
+
+/// Level of the deepest node around two cells of a tree, the first of which is right; noStep when the second does not follow
+/// it.
+int stepInTree(const TreeLeaf& before, const TreeLeaf& leaf) noexcept
+{
+  if (!isCell(leaf))
+  {
+    return noStep;
+  }
+  const int common = commonLevel(before, leaf);
+  const bool follows =
+    common < std::min(leaf.level, before.level) && octantOf(leaf, common + 1) > octantOf(before, common + 1);
+  return follows ? common : noStep;
+}
+
+} // namespace
+
+void reserveNodes(vtkHyperTree* tree, vtkIdType nodes)
+{
+  if (nodes == 1)
+  {
+    return;
+  }
+  vtkNew<vtkBitArray> leavesOnly;
+  leavesOnly->SetNumberOfValues(nodes);
+  std::fill_n(leavesOnly->GetPointer(0), (nodes + 7) / 8, static_cast<unsigned char>(0));
+  tree->InitializeForReader(1, nodes, 0, leavesOnly, nullptr, nullptr);
+  tree->InitializeForReader(1, 1, 0, leavesOnly, nullptr, nullptr);
+}
+
+void HyperTreeGridBuilder::build(std::uint64_t leafCount, std::uint64_t blockLeaves, const ReadLeaves& read,
+  const std::function<void(std::uint64_t)>& progress)
+{
+  // Two for each thread: some are done sooner. The steps of one thread keep no more of them busy than have these.
+  constexpr std::size_t most = 16;
+  const std::size_t atOnce = std::min<std::size_t>(most, 2 * tbb::this_task_arena::max_concurrency());
+  std::vector<Block> now(atOnce);
+  std::vector<Block> before(atOnce);
+  std::size_t filled = 0; // blocks of `before`
+  for (std::uint64_t begin = 0; begin < leafCount || filled > 0;)
+  {
+    const std::size_t blocks =
+      std::min<std::uint64_t>(atOnce, (leafCount - begin + blockLeaves - 1) / blockLeaves);
+    const auto readBlock = [&](std::size_t b) {
+      try
+      {
+        const std::uint64_t first = begin + b * blockLeaves;
+        read(first, std::min(leafCount, first + blockLeaves), now[b].read);
+        count(now[b]);
+      }
+      catch (...)
+      {
+        now[b].error = std::current_exception();
+      }
+    };
+    tbb::parallel_invoke([&] { std::for_each_n(before.begin(), filled, [&](Block& b) { finish(b); }); },
+      [&] { tbb::parallel_for(std::size_t(0), blocks, readBlock); });
+    for (std::size_t b = 0; b < blocks; ++b)
+    {
+      if (now[b].error)
+      {
+        std::rethrow_exception(now[b].error);
+      }
+      startAt(now[b]);
+    }
+    tbb::parallel_for(std::size_t(0), blocks, [&](std::size_t b) {
+      place(now[b]);
+      fill(now[b]);
+    });
+    std::swap(now, before);
+    filled = blocks;
+    begin = std::min(leafCount, begin + blocks * blockLeaves);
+    if (progress)
+    {
+      progress(begin);
+    }
+  }
+  if (last_.tree >= 0)
+  {
+    endTree(last_.tree, inner_);
+  }
+  goToTree(static_cast<std::int32_t>(treeStarts_.size()) - 1, last_.tree);
+  closeTo(0);
   if (mask_)
   {
     grid_->SetMask(mask_);
   }
 }
 
-void HyperTreeGridBuilder::fail(const std::string& found, const std::string& allowed) const
+void HyperTreeGridBuilder::fail(std::int32_t tree, const std::string& found, const std::string& allowed) const
 {
-  throw Error(source_ + ": tree " + std::to_string(treeNumber_) + ": " + found + ", allowed are " + allowed);
+  throw Error(source_ + ": tree " + std::to_string(tree) + ": " + found + ", allowed are " + allowed);
 }
 
-void HyperTreeGridBuilder::startTree(std::int32_t tree)
+/// Block::steps. before: null: none.
+int HyperTreeGridBuilder::stepTo(const TreeLeaf& leaf, const TreeLeaf* before) const
 {
-  if (tree <= treeNumber_ || tree >= static_cast<std::int32_t>(treeStarts_.size()) - 1)
+  const auto trees = static_cast<std::int32_t>(treeStarts_.size()) - 1;
+  if (leaf.tree < 0 || leaf.tree >= trees || (before && leaf.tree < before->tree))
   {
-    fail("then one of tree " + std::to_string(tree),
-      "trees in the order of their numbers, up to " + std::to_string(treeStarts_.size() - 2));
+    fail(before ? before->tree : -1, "then one of tree " + std::to_string(leaf.tree),
+      "trees in the order of their numbers, up to " + std::to_string(trees - 1));
   }
-  treeNumber_ = tree;
-  const std::array<int, 3>& place = lattice_.place(tree);
-  vtkIdType index;
-  grid_->GetIndexFromLevelZeroCoordinates(index, place[0], place[1], place[2]);
-  tree_ = grid_->GetTree(index, true);
-  tree_->SetGlobalIndexStart(treeStarts_[tree]);
-  orientation_ = lattice_.orientation(tree);
-  level_ = 0;
-  node_[0] = 0;
-  index_[0] = {};
-  complete_ = false;
+  const bool isInPlane = childCount_ == 8 || leaf.index[2] == 0;
+  const int step = before && before->tree == leaf.tree ? stepInTree(*before, leaf) : -1;
+  if (!isCell(leaf) || !isInPlane || step == noStep)
+  {
+    fail(leaf.tree,
+      "the cell of level " + std::to_string(leaf.level) + " at (" + std::to_string(leaf.index[0]) + ", " +
+        std::to_string(leaf.index[1]) + ", " + std::to_string(leaf.index[2]) + ")",
+      "disjoint cells in Morton order, of level " + std::to_string(maxLevel) + " at most");
+  }
+  return step;
 }
 
-void HyperTreeGridBuilder::finishTree()
+/// Inner nodes, but for those that begin with the first leaf: which these are the block before decides.
+void HyperTreeGridBuilder::count(Block& block) const
 {
-  if (!tree_)
+  const std::vector<TreeLeaf>& leaves = block.read.leaves;
+  block.steps.resize(leaves.size());
+  block.ended.clear();
+  block.inner = 0;
+  block.path.fill(none);
+  stepTo(leaves[0], nullptr); // or an error: those after it are compared with it
+  for (std::size_t i = 1; i < leaves.size(); ++i)
   {
-    return;
+    const TreeLeaf& leaf = leaves[i];
+    const TreeLeaf& before = leaves[i - 1];
+    const bool isLikely = leaf.tree == before.tree && (childCount_ == 8 || leaf.index[2] == 0);
+    int step = isLikely ? stepInTree(before, leaf) : noStep;
+    if (step == noStep)
+    {
+      step = stepTo(leaf, &before); // of another tree, or an error
+    }
+    block.steps[i] = static_cast<std::int8_t>(step);
+    if (step < 0)
+    {
+      block.ended.push_back({ before.tree, block.inner });
+      block.inner = 0;
+    }
+    for (int level = step + 1; level < leaf.level; ++level)
+    {
+      block.path[level] = block.inner++;
+    }
   }
-  while (!complete_)
-  {
-    mask();
-  }
-  const vtkIdType told = treeStarts_[treeNumber_ + 1] - treeStarts_[treeNumber_];
-  if (tree_->GetNumberOfVertices() != told)
-  {
-    fail(std::to_string(tree_->GetNumberOfVertices()) + " nodes",
-      "the " + std::to_string(told) + " that were told");
-  }
-  tree_ = nullptr;
 }
 
-/// Whether the leaf is in a child of the current place.
-bool HyperTreeGridBuilder::isAround(const TreeLeaf& leaf) const noexcept
+/// Goes on from the block before to behind this one.
+void HyperTreeGridBuilder::startAt(Block& block)
 {
-  const int up = leaf.level - level_;
-  const std::array<std::uint32_t, 3>& index = index_[level_];
-  return up > 0 && leaf.index[0] >> up == index[0] && leaf.index[1] >> up == index[1] &&
-    leaf.index[2] >> up == index[2];
+  const TreeLeaf& first = block.read.leaves.front();
+  const int step = stepTo(first, last_.tree >= 0 ? &last_ : nullptr);
+  block.steps[0] = static_cast<std::int8_t>(step);
+  if (step < 0)
+  {
+    if (last_.tree >= 0)
+    {
+      endTree(last_.tree, inner_);
+    }
+    goToTree(first.tree, last_.tree);
+    inner_ = 0;
+  }
+  block.innerBefore = inner_;
+  block.pathBefore = path_;
+  for (int level = step + 1; level < first.level; ++level)
+  {
+    path_[level] = inner_++;
+  }
+  std::uint64_t base = inner_;
+  std::int32_t tree = first.tree;
+  for (const Block::TreeEnd& end : block.ended)
+  {
+    goToTree(end.tree, tree);
+    endTree(end.tree, base + end.inner);
+    tree = end.tree;
+    base = 0;
+  }
+  last_ = block.read.leaves.back();
+  goToTree(last_.tree, tree);
+  inner_ = base + block.inner;
+  for (int level = 0; level < last_.level; ++level)
+  {
+    path_[level] = block.path[level] == none ? path_[level] : base + block.path[level];
+  }
+  if (nodesWith(inner_) > told(last_.tree))
+  {
+    fail(last_.tree, "more nodes", "the " + std::to_string(told(last_.tree)) + " that were told");
+  }
 }
 
-void HyperTreeGridBuilder::subdivide()
+/// Those between have no leaf.
+void HyperTreeGridBuilder::goToTree(std::int32_t tree, std::int32_t before) const
 {
-  // A subdivision's children are appended to the tree's vertices.
-  firstChild_[level_] = tree_->GetNumberOfVertices();
-  if (firstChild_[level_] + childCount_ > treeStarts_[treeNumber_ + 1] - treeStarts_[treeNumber_])
+  for (std::int32_t t = before + 1; t < tree; ++t)
   {
-    fail("more nodes",
-      "the " + std::to_string(treeStarts_[treeNumber_ + 1] - treeStarts_[treeNumber_]) + " that were told");
+    if (told(t) != 0)
+    {
+      fail(t, "no cell", "cells of the " + std::to_string(told(t)) + " nodes that were told");
+    }
   }
-  tree_->SubdivideLeaf(node_[level_], static_cast<unsigned int>(level_));
-  filled_[level_] = 0;
-  child_[level_ + 1] = 0;
-  node_[level_ + 1] = firstChild_[level_] + orientation_[0];
-  for (int a = 0; a < 3; ++a)
-  {
-    index_[level_ + 1][a] = 2 * index_[level_][a];
-  }
-  ++level_;
 }
 
-void HyperTreeGridBuilder::mask()
+void HyperTreeGridBuilder::endTree(std::int32_t tree, std::uint64_t inner) const
 {
-  if (!mask_)
+  if (nodesWith(inner) != told(tree))
+  {
+    fail(tree, std::to_string(nodesWith(inner)) + " nodes",
+      "the " + std::to_string(told(tree)) + " that were told");
+  }
+}
+
+/// Where everything of the block belongs.
+void HyperTreeGridBuilder::place(Block& block) const
+{
+  const std::vector<TreeLeaf>& leaves = block.read.leaves;
+  block.nodes.resize(leaves.size());
+  block.subdivisions.clear();
+  block.begun.clear();
+  block.closed.clear();
+  block.open.clear();
+  block.addedBefore.fill(0);
+
+  std::array<Family, maxLevel> path; // above the latest leaf
+  vtkIdType treeStart = treeStarts_[leaves.front().tree];
+  const auto firstChildOf = [&](std::uint64_t inner) {
+    return treeStart + static_cast<vtkIdType>(nodesWith(inner));
+  };
+  std::size_t kept = static_cast<std::size_t>(block.steps[0] + 1);
+  for (std::size_t level = 0; level < kept; ++level)
+  {
+    path[level] = { -1, firstChildOf(block.pathBefore[level]), 0 }; // its own node is not asked for
+  }
+  std::size_t height = kept; // of the path
+  const auto closeTo = [&](std::size_t level) {
+    for (; height > std::max(level, kept); --height)
+    {
+      block.closed.push_back(path[height - 1]);
+    }
+    for (; height > level; --height)
+    {
+      block.addedBefore[height - 1] = path[height - 1].present;
+    }
+    kept = std::min(kept, level);
+  };
+
+  std::uint64_t inner = block.innerBefore;
+  const TreeOrientation* orientation = &lattice_.orientation(leaves.front().tree);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    const TreeLeaf& leaf = leaves[i];
+    closeTo(static_cast<std::size_t>(block.steps[i] + 1));
+    if (block.steps[i] < 0)
+    {
+      inner = 0;
+      treeStart = treeStarts_[leaf.tree];
+      orientation = &lattice_.orientation(leaf.tree);
+      block.begun.push_back({ leaf.tree, block.subdivisions.size() });
+    }
+    const auto nodeAt = [&](int level) {
+      if (level == 0)
+      {
+        return treeStart;
+      }
+      const unsigned child = (*orientation)[octantOf(leaf, level)];
+      path[level - 1].present |= 1u << child;
+      return path[level - 1].firstChild + child;
+    };
+    for (; height < static_cast<std::size_t>(leaf.level); ++height)
+    {
+      const int level = static_cast<int>(height);
+      path[height] = { nodeAt(level), firstChildOf(inner++), 0 };
+      block.subdivisions.push_back({ level, path[height].node - treeStart });
+    }
+    block.nodes[i] = nodeAt(leaf.level);
+  }
+  block.open.assign(
+    path.begin() + static_cast<std::ptrdiff_t>(kept), path.begin() + static_cast<std::ptrdiff_t>(height));
+  for (std::size_t level = 0; level < kept; ++level)
+  {
+    block.addedBefore[level] = path[level].present;
+  }
+  block.kept = kept;
+}
+
+void HyperTreeGridBuilder::fill(Block& block) const
+{
+  for (const auto& filler : fillers_)
+  {
+    filler->setLeaves(block.read.leaves, block.nodes.data());
+  }
+  block.masked.clear();
+  for (const Family& family : block.closed)
+  {
+    fillAndMask(family, block.masked);
+  }
+}
+
+void HyperTreeGridBuilder::fillAndMask(const Family& family, std::vector<vtkIdType>& masked) const
+{
+  const unsigned all = (1u << childCount_) - 1;
+  for (const auto& filler : fillers_)
+  {
+    fillFamily(*filler, family.node, family.firstChild, family.present, all);
+  }
+  for (unsigned missing = ~family.present & all; missing != 0; missing &= missing - 1)
+  {
+    masked.push_back(family.firstChild + std::countr_zero(missing));
+  }
+}
+
+/// What one thread does for all, block by block.
+void HyperTreeGridBuilder::finish(Block& block)
+{
+  for (std::size_t level = 0; level < open_.size(); ++level)
+  {
+    open_[level].present |= block.addedBefore[level];
+  }
+  closeTo(block.kept);
+  open_.insert(open_.end(), block.open.begin(), block.open.end());
+  mask(block.masked);
+
+  auto tree = block.begun.begin();
+  for (std::size_t s = 0; s <= block.subdivisions.size(); ++s)
+  {
+    for (; tree != block.begun.end() && tree->subdivision == s; ++tree)
+    {
+      makeTree(tree->tree);
+    }
+    if (s < block.subdivisions.size())
+    {
+      tree_->SubdivideLeaf(
+        block.subdivisions[s].node, static_cast<unsigned int>(block.subdivisions[s].level));
+    }
+  }
+}
+
+void HyperTreeGridBuilder::closeTo(std::size_t level)
+{
+  std::vector<vtkIdType> masked;
+  for (; open_.size() > level; open_.pop_back())
+  {
+    fillAndMask(open_.back(), masked);
+  }
+  mask(masked);
+}
+
+void HyperTreeGridBuilder::mask(const std::vector<vtkIdType>& nodes)
+{
+  if (!nodes.empty() && !mask_)
   {
     mask_ = vtkSmartPointer<vtkBitArray>::New();
     mask_->SetNumberOfValues(nodeCount());
     std::fill_n(mask_->GetPointer(0), (nodeCount() + 7) / 8, static_cast<unsigned char>(0));
   }
-  mask_->SetValue(treeStarts_[treeNumber_] + node_[level_], 1);
-  goOn(false);
+  for (const vtkIdType node : nodes)
+  {
+    mask_->SetValue(node, 1);
+  }
 }
 
-/// To the next place, through all inner nodes that are complete.
-void HyperTreeGridBuilder::goOn(bool hasCell)
+void HyperTreeGridBuilder::makeTree(std::int32_t number)
 {
-  while (level_ > 0)
-  {
-    const int child = child_[level_];
-    filled_[level_ - 1] |= static_cast<unsigned>(hasCell) << orientation_[child];
-    if (child + 1 < childCount_)
-    {
-      child_[level_] = child + 1;
-      node_[level_] = firstChild_[level_ - 1] + orientation_[child + 1];
-      for (int a = 0; a < 3; ++a)
-      {
-        index_[level_][a] ^= static_cast<std::uint32_t>(sideOf(child ^ (child + 1), a));
-      }
-      return;
-    }
-    --level_;
-    for (const auto& filler : fillers_)
-    {
-      fillFamily(*filler, treeStarts_[treeNumber_] + node_[level_],
-        treeStarts_[treeNumber_] + firstChild_[level_], filled_[level_], (1u << childCount_) - 1);
-    }
-    hasCell = filled_[level_] != 0;
-  }
-  complete_ = true;
+  const std::array<int, 3>& place = lattice_.place(number);
+  vtkIdType index;
+  grid_->GetIndexFromLevelZeroCoordinates(index, static_cast<unsigned int>(place[0]),
+    static_cast<unsigned int>(place[1]), static_cast<unsigned int>(place[2]));
+  tree_ = grid_->GetTree(index, true);
+  tree_->SetGlobalIndexStart(treeStarts_[number]);
+  reserveNodes(tree_, static_cast<vtkIdType>(told(number)));
 }
 
 } // namespace treeamr

@@ -1,12 +1,15 @@
-// A vtkHyperTreeGrid from the leaves of a forest of octrees, whatever they were read from.
+// A vtkHyperTreeGrid from the leaves of a forest of octrees, whatever they were read from, in parallel.
 //
-// Leaves come tree by tree, in Morton order of the tree's own axes (the first one fastest), which is a depth-first order: the path from the root to the
-// current place is all that is kept, and an inner node gets its values when its eighth child is complete. Where no leaf
-// comes, the coarsest cells that hold none are masked. The number of nodes must be known beforehand, so that arrays
-// are allocated once: of a tree that has leaves everywhere it is one for each leaf and one for each seven, of others
-// NodeCounter tells it. In a plane, four children and three.
+// Leaves come tree by tree, in Morton order of the tree's own axes (the first one fastest), which is a depth-first order,
+// and VTK's trees number their nodes as they are subdivided, here in that order: so with inner nodes counted in blocks of
+// leaves first, every node's place is known to whoever comes by it. Blocks are read, counted and filled by several
+// threads, a few of them at once; only the subdivision itself is done by one, while others read the next blocks. Where no
+// leaf comes, the coarsest cells that hold none are masked.
 //
-// Used so: make one, add the arrays that are wanted, add all leaves, finish.
+// The number of nodes must be known beforehand, so that arrays are allocated once: of a tree that has leaves everywhere it
+// is one for each leaf and one for each seven, of others NodeCounter tells it. In a plane, four children and three.
+//
+// Used so: make one, add the arrays that are wanted, build.
 #pragma once
 
 #include "CellArrayFillers.h"
@@ -20,6 +23,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +35,18 @@ class vtkHyperTreeGrid;
 namespace treeamr
 {
 
+/// Level of the deepest node around both, of one tree; that of the coarser one when it is around the other.
+inline int commonLevel(const TreeLeaf& a, const TreeLeaf& b) noexcept
+{
+  const int level = a.level < b.level ? a.level : b.level;
+  std::uint32_t differing = 0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    differing |= (a.index[axis] >> (a.level - level)) ^ (b.index[axis] >> (b.level - level));
+  }
+  return level - static_cast<int>(std::bit_width(differing));
+}
+
 /// The nodes of a tree from its leaves, in Morton order.
 class NodeCounter
 {
@@ -38,18 +54,7 @@ public:
   void add(const TreeLeaf& leaf) noexcept
   {
     // Inner nodes are those above the leaf but for what it shares with the leaf before.
-    int shared = 0; // levels
-    if (hasLeaf_)
-    {
-      std::uint32_t differing = 0; // at the coarser one's level
-      const int level = leaf.level < last_.level ? leaf.level : last_.level;
-      for (int a = 0; a < 3; ++a)
-      {
-        differing |= (leaf.index[a] >> (leaf.level - level)) ^ (last_.index[a] >> (last_.level - level));
-      }
-      shared = level - static_cast<int>(std::bit_width(differing)) + 1;
-    }
-    inner_ += static_cast<std::uint64_t>(leaf.level - shared);
+    inner_ += static_cast<std::uint64_t>(leaf.level - (hasLeaf_ ? commonLevel(leaf, last_) + 1 : 0));
     hasLeaf_ = true;
     last_ = leaf;
   }
@@ -67,37 +72,71 @@ private:
 VTKTREEAMRREADER_EXPORT void setLattice(
   vtkHyperTreeGrid* grid, const std::array<std::vector<double>, 3>& planes);
 
+/// A new tree's memory for its nodes, all at once: it would double as they come.
+void reserveNodes(vtkHyperTree* tree, vtkIdType nodes);
+
 class VTKTREEAMRREADER_EXPORT HyperTreeGridBuilder
 {
 public:
   /// The deepest leaves of any source.
   static constexpr int maxLevel = 31;
 
-  /// grid: gets branch factor, lattice and trees, an empty one. nodeCounts: of each tree, with its inner nodes and
-  /// places without a leaf; 0: there is none. source: the name of what is read, for messages. Throws Error when a tree has
-  /// more nodes than a vtkHyperTree can have.
+  /// Fills a block with the leaves [begin, end) of all; called by several threads.
+  using ReadLeaves = std::function<void(std::uint64_t begin, std::uint64_t end, LeafBlock& block)>;
+
+  /// grid: gets branch factor, lattice and trees, an empty one. lattice: kept by reference. nodeCounts: of each tree, with
+  /// its inner nodes and places without a leaf; 0: there is none. source: the name of what is read, for messages. Throws
+  /// Error when a tree has more nodes than a vtkHyperTree can have.
   HyperTreeGridBuilder(vtkHyperTreeGrid* grid, const TreeLattice& lattice,
     const std::vector<std::uint64_t>& nodeCounts, std::string source);
   ~HyperTreeGridBuilder();
 
   /// Of all trees: tuples of each cell array.
   vtkIdType nodeCount() const noexcept { return treeStarts_.back(); }
-  /// Before the first leaf. The first array becomes the active scalars.
+  /// The first array becomes the active scalars. Its filler is called by several threads.
   void addArray(std::unique_ptr<CellArrayFiller> filler);
 
-  /// Throws Error for a leaf that does not follow the one before, and for more nodes than were told.
-  void add(const TreeLeaf& leaf);
-  /// After the last leaf. Throws Error for fewer nodes than were told.
-  void finish();
+  /// Once. blockLeaves: how many to read at a time. progress: called by this thread now and then, with the leaves that there
+  /// are by then. Throws what `read` throws, of the first block where it does, and Error for a leaf that does not follow the
+  /// one before, and for more or fewer nodes than were told.
+  void build(std::uint64_t leafCount, std::uint64_t blockLeaves, const ReadLeaves& read,
+    const std::function<void(std::uint64_t)>& progress = {});
 
 private:
-  [[noreturn]] void fail(const std::string& found, const std::string& allowed) const;
-  void startTree(std::int32_t tree);
-  void finishTree();
-  bool isAround(const TreeLeaf& leaf) const noexcept;
-  void subdivide();
-  void mask();
-  void goOn(bool hasCell);
+  static constexpr std::uint64_t none = ~std::uint64_t(0);
+  /// Of the ancestors of a leaf, by their levels: which of their tree's inner nodes, in depth-first order.
+  using Path = std::array<std::uint64_t, maxLevel>;
+
+  /// An inner node with children yet to come, or the last of them just gone.
+  struct Family
+  {
+    vtkIdType node; // as the other, among those of all trees
+    vtkIdType firstChild;
+    unsigned present; // mask of the children that have cells
+  };
+  struct Block;
+
+  [[noreturn]] void fail(std::int32_t tree, const std::string& found, const std::string& allowed) const;
+  std::uint64_t told(std::int32_t tree) const noexcept
+  {
+    return static_cast<std::uint64_t>(treeStarts_[tree + 1] - treeStarts_[tree]);
+  }
+  std::uint64_t nodesWith(std::uint64_t inner) const noexcept
+  {
+    return 1 + static_cast<std::uint64_t>(childCount_) * inner;
+  }
+  int stepTo(const TreeLeaf& leaf, const TreeLeaf* before) const;
+  void count(Block& block) const;
+  void startAt(Block& block);
+  void goToTree(std::int32_t tree, std::int32_t before) const;
+  void endTree(std::int32_t tree, std::uint64_t inner) const;
+  void place(Block& block) const;
+  void fill(Block& block) const;
+  void fillAndMask(const Family& family, std::vector<vtkIdType>& masked) const;
+  void finish(Block& block);
+  void closeTo(std::size_t level);
+  void mask(const std::vector<vtkIdType>& nodes);
+  void makeTree(std::int32_t number);
 
   vtkHyperTreeGrid* grid_;
   const TreeLattice& lattice_;
@@ -107,17 +146,13 @@ private:
   std::vector<std::unique_ptr<CellArrayFiller>> fillers_;
   vtkSmartPointer<vtkBitArray> mask_; // null: nothing is masked
 
+  // Behind the blocks that startAt() has seen.
+  TreeLeaf last_{ -1, {}, 0, 0, nullptr };
+  std::uint64_t inner_ = 0; // of the last one's tree
+  Path path_{};
+  // Behind those that finish() has seen.
   vtkHyperTree* tree_ = nullptr;
-  std::int32_t treeNumber_ = -1;
-  bool complete_ = true; // the current tree
-  // The path from the root to where the next leaf begins.
-  int level_ = 0;
-  TreeOrientation orientation_ = alongAxes;
-  std::array<int, maxLevel + 1> child_{};            // by level, its number in the order of leaves
-  std::array<vtkIdType, maxLevel + 1> node_{};       // by level
-  std::array<vtkIdType, maxLevel + 1> firstChild_{}; // of the node of a level
-  std::array<unsigned, maxLevel + 1> filled_{};      // mask of its children that have cells below
-  std::array<std::array<std::uint32_t, 3>, maxLevel + 1> index_{};
+  std::vector<Family> open_; // by levels
 };
 
 } // namespace treeamr

@@ -227,6 +227,7 @@ private:
       vtkHyperTree* const tree = grid->GetTree(number, true);
       const auto start = static_cast<vtkIdType>(t + 8 * first);
       tree->SetGlobalIndexStart(start);
+      reserveNodes(tree, static_cast<vtkIdType>(8 * (endOfInner(t) - first) + 1));
       for (std::uint64_t n = first; n < endOfInner(t); ++n)
       {
         tree->SubdivideLeaf(inner_[n].node - start, inner_[n].level);

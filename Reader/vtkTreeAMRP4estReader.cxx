@@ -102,11 +102,15 @@ public:
     , Filler(treeamr::makeFiller(this->File.field(), nodes))
   {
   }
-  void setLeaf(vtkIdType node, const treeamr::TreeLeaf& leaf) override
+  void setLeaf(vtkIdType node, const treeamr::TreeLeaf& leaf) override { this->setLeaves({ leaf }, &node); }
+  void setLeaves(const std::vector<treeamr::TreeLeaf>& leaves, const vtkIdType* nodes) override
   {
-    treeamr::TreeLeaf withValues = leaf;
-    withValues.payload = this->File.at(leaf.number);
-    this->Filler->setLeaf(node, withValues);
+    std::size_t i = 0;
+    this->File.records().visit(leaves[0].number, leaves.size(), [&](const std::byte* values) {
+      treeamr::TreeLeaf withValues = leaves[i];
+      withValues.payload = values;
+      this->Filler->setLeaf(nodes[i++], withValues);
+    });
   }
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
@@ -372,14 +376,19 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   }
 
   const std::uint64_t progressStep = file.quadrantCount() / 50 + 1;
-  input.visitQuadrants(withPayload, [&](const treeamr::TreeLeaf& leaf) {
-    builder.add(leaf);
-    if ((leaf.number + 1) % progressStep == 0)
-    {
-      this->UpdateProgress(static_cast<double>(leaf.number + 1) / static_cast<double>(file.quadrantCount()));
-    }
-  });
-  builder.finish();
+  std::uint64_t told = 0;
+  builder.build(
+    file.quadrantCount(), input.blockQuadrants(),
+    [&](std::uint64_t begin, std::uint64_t end, treeamr::LeafBlock& block) {
+      input.readQuadrants(withPayload, begin, end, block);
+    },
+    [&](std::uint64_t done) {
+      if (done - told >= progressStep)
+      {
+        told = done;
+        this->UpdateProgress(static_cast<double>(done) / static_cast<double>(file.quadrantCount()));
+      }
+    });
   treeamr::setCornerRanges(*grid);
 }
 

@@ -67,7 +67,7 @@ public:
   /// the file.
   void sample(std::uint64_t count, const std::function<void(const std::byte*)>& visit) const;
   /// All cells' bytes.
-  QuadrantRecords records() const { return { path_, cellsOffset_, cellBytes_, cellCount_ }; }
+  QuadrantRecords records() const { return { path_, cellsOffset_, cellBytes_ }; }
   /// Throws Error for a cell that deal.II did not save as it is.
   void checkStatus(std::uint64_t cell, const std::byte* bytes) const;
 

@@ -250,20 +250,29 @@ PayloadReading ForestInput::guessBlocks() const
   return reading;
 }
 
-void ForestInput::visitQuadrants(bool withPayload, const std::function<void(const TreeLeaf&)>& visit) const
+void ForestInput::readQuadrants(
+  bool withPayload, std::uint64_t begin, std::uint64_t end, LeafBlock& block) const
 {
+  forest_.readQuadrants(begin, end, block);
   if (!withPayload || !cells_ || cells_->blocks().empty())
   {
-    forest_.visitQuadrants(visit);
     return;
   }
-  QuadrantRecords records = cells_->records();
-  forest_.visitQuadrants([&](const TreeLeaf& quadrant) {
-    TreeLeaf leaf = quadrant;
-    leaf.payload = records.at(quadrant.number);
-    cells_->checkStatus(quadrant.number, leaf.payload);
-    visit(leaf);
-  });
+  const QuadrantRecords records = cells_->records();
+  records.read(begin, end - begin, block.payloads);
+  for (TreeLeaf& leaf : block.leaves)
+  {
+    leaf.payload = block.payloads.data() + (leaf.number - begin) * records.recordBytes();
+    cells_->checkStatus(leaf.number, leaf.payload);
+  }
+}
+
+std::uint64_t ForestInput::blockQuadrants() const noexcept
+{
+  const std::uint64_t ofForest = forest_.blockQuadrants();
+  return cells_ && !cells_->blocks().empty()
+    ? std::clamp<std::uint64_t>(P4estInputFile::blockBytes / 2 / cells_->records().recordBytes(), 1, ofForest)
+    : ofForest;
 }
 
 } // namespace treeamr

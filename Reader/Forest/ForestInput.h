@@ -5,7 +5,6 @@
 #include "Forest/P4estForestFile.h"
 #include "Forest/PayloadLayout.h"
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +35,8 @@ public:
   /// Throws Error for one that is wrong, or not of as many bytes as the file has.
   PayloadReading readPayload(const std::string& text) const;
   /// As P4estForestFile. withPayload: whether leaves have theirs, which takes time where it is in a file of its own.
-  void visitQuadrants(bool withPayload, const std::function<void(const TreeLeaf&)>& visit) const;
+  void readQuadrants(bool withPayload, std::uint64_t begin, std::uint64_t end, LeafBlock& block) const;
+  std::uint64_t blockQuadrants() const noexcept;
 
 private:
   explicit ForestInput(const std::string& path, std::optional<DealIIInfo> info);

@@ -420,6 +420,13 @@ public:
   }
   bool isComplete() const { return complete_; }
 
+  /// To behind a quadrant that is where another walk found it right.
+  void start(const P4estInputFile& file, const Record& record, std::int32_t tree, std::uint64_t quadrant)
+  {
+    anchor_ = record.anchor;
+    advance(file, record, tree, quadrant);
+  }
+
   /// Throws when the quadrant does not begin where the walk is, or does not fit there.
   void advance(const P4estInputFile& file, const Record& record, std::int32_t tree, std::uint64_t quadrant)
   {
@@ -506,44 +513,69 @@ bool P4estForestFile::hasMagic(const std::string& path) noexcept
   }
 }
 
-void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>& visit) const
+void P4estForestFile::readQuadrants(std::uint64_t begin, std::uint64_t end, LeafBlock& block) const
 {
-  P4estInputFile file(path_);
-  file.seek(quadrantsOffset_);
   const std::size_t placeBytes = Record::bytes(dimension_);
   const std::size_t recordBytes = placeBytes + payloadSize_;
-  const std::uint64_t blockQuadrants = std::min<std::uint64_t>(
-    quadrantCount(), std::max<std::size_t>(1, P4estInputFile::blockBytes / recordBytes));
-  std::vector<std::byte> block(blockQuadrants * recordBytes);
-  const std::byte* next = block.data() + block.size();
-  std::uint64_t unread = quadrantCount();
+  auto tree = static_cast<std::int32_t>(
+    std::upper_bound(treeEnds_.begin(), treeEnds_.end(), begin) - treeEnds_.begin());
+  std::uint64_t treeBegin = treeEnds_[tree] - quadrantCount(tree);
+  const bool isAmidTree = begin > treeBegin; // the one before says where the first one has to be
 
-  for (std::int32_t tree = 0; tree < treeCount(); ++tree)
+  P4estInputFile file(path_);
+  const std::uint64_t first = begin - (isAmidTree ? 1 : 0);
+  file.seek(quadrantsOffset_ + first * recordBytes);
+  block.bytes.resize((end - first) * recordBytes);
+  file.read(block.bytes.data(), block.bytes.size(), "quadrants");
+  const std::byte* next = block.bytes.data();
+
+  MortonWalk walk(rootBits_, dimension_);
+  if (isAmidTree)
   {
-    MortonWalk walk(rootBits_, dimension_);
-    const std::uint64_t first = tree > 0 ? treeEnds_[tree - 1] : 0;
-    for (std::uint64_t quadrant = 0; quadrant < quadrantCount(tree); ++quadrant, next += recordBytes)
+    walk.start(file, Record::from(next, dimension_), tree, first - treeBegin);
+    next += recordBytes;
+  }
+  block.leaves.clear();
+  block.leaves.reserve(end - begin);
+  for (std::uint64_t quadrant = begin; quadrant < end; ++quadrant, next += recordBytes)
+  {
+    if (quadrant == treeEnds_[tree])
     {
-      if (next == block.data() + block.size())
-      {
-        const std::uint64_t quadrants = std::min(unread, blockQuadrants);
-        block.resize(quadrants * recordBytes);
-        file.read(block.data(), block.size(), "quadrants");
-        unread -= quadrants;
-        next = block.data();
-      }
-      const Record record = Record::from(next, dimension_);
-      walk.advance(file, record, tree, quadrant);
-      TreeLeaf leaf{ tree, {}, record.level, first + quadrant, next + placeBytes };
-      for (int a = 0; a < 3; ++a)
-      {
-        leaf.index[a] = static_cast<std::uint32_t>(record.anchor[a]) >> (rootBits_ - record.level);
-      }
-      visit(leaf);
+      treeBegin = treeEnds_[tree++];
+      walk = MortonWalk(rootBits_, dimension_);
     }
-    if (!walk.isComplete())
+    const Record record = Record::from(next, dimension_);
+    walk.advance(file, record, tree, quadrant - treeBegin);
+    TreeLeaf& leaf =
+      block.leaves.emplace_back(TreeLeaf{ tree, {}, record.level, quadrant, next + placeBytes });
+    for (int a = 0; a < 3; ++a)
+    {
+      leaf.index[a] = static_cast<std::uint32_t>(record.anchor[a]) >> (rootBits_ - record.level);
+    }
+    if (quadrant + 1 == treeEnds_[tree] && !walk.isComplete())
     {
       file.fail("tree ", tree, ": its ", quadrantCount(tree), " quadrants end before the tree is full");
+    }
+  }
+}
+
+std::uint64_t P4estForestFile::blockQuadrants() const noexcept
+{
+  return std::max<std::uint64_t>(
+    1, P4estInputFile::blockBytes / 2 / (sizeof(TreeLeaf) + Record::bytes(dimension_) + payloadSize_));
+}
+
+void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>& visit) const
+{
+  const std::uint64_t blockCount =
+    std::min<std::uint64_t>(1024, blockQuadrants()); // of a file's size of memory
+  LeafBlock block;
+  for (std::uint64_t begin = 0; begin < quadrantCount(); begin += block.leaves.size())
+  {
+    readQuadrants(begin, std::min(quadrantCount(), begin + blockCount), block);
+    for (const TreeLeaf& leaf : block.leaves)
+    {
+      visit(leaf);
     }
   }
 }

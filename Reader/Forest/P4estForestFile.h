@@ -85,9 +85,14 @@ public:
   /// Bytes per quadrant; 0 when the forest was saved without data.
   std::size_t payloadSize() const noexcept { return payloadSize_; }
 
-  /// Visits all quadrants, tree by tree in Morton order, reading by blocks. Each is checked before its visit:
-  /// a level out of range, a place off its level's lattice, a gap, an overlap or a false order is an Error,
-  /// and what was visited before it must be thrown away.
+  /// Reads the quadrants [begin, end), tree by tree in Morton order, of any number of ranges at once on as many threads. Each
+  /// is checked beside the one before it: a level out of range, a place off its level's lattice, a gap, an overlap or
+  /// a false order is an Error. What was read is right when all ranges up to it are.
+  void readQuadrants(std::uint64_t begin, std::uint64_t end, LeafBlock& block) const;
+  /// As many as make a range of about half a MiB.
+  std::uint64_t blockQuadrants() const noexcept;
+
+  /// Visits all quadrants; after an Error what was visited before it must be thrown away.
   void visitQuadrants(const std::function<void(const TreeLeaf&)>& visit) const;
 
   /// Visits the payloads of all quadrants or, when these are more than `count`, of about as many in blocks

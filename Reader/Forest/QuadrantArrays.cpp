@@ -235,7 +235,7 @@ QuadrantArrayFile::QuadrantArrayFile(
   {
     file.fail(bytes, " bytes of values, ", recordBytes, " each, allowed ", allowed);
   }
-  records_.emplace(path, file.position(), recordBytes, quadrants);
+  records_.emplace(path, file.position(), recordBytes);
 }
 
 } // namespace treeamr

@@ -33,7 +33,7 @@ struct QuadrantArray
 /// Throws Error naming the part that is none, what was found and what is allowed; for names that are there twice, too.
 std::vector<QuadrantArray> parseQuadrantArrays(std::string_view text);
 
-/// The values of one, quadrant by quadrant.
+/// Of one.
 class QuadrantArrayFile
 {
 public:
@@ -43,9 +43,8 @@ public:
 
   /// With an offset of 0.
   const PayloadField& field() const noexcept { return field_; }
-  /// The values of a quadrant, until the next call. Quickest in the order of numbers. Throws Error where the file ends
-  /// before.
-  const std::byte* at(std::uint64_t quadrant) { return records_->at(quadrant); }
+  /// All values, quadrant by quadrant.
+  const QuadrantRecords& records() const noexcept { return *records_; }
 
 private:
   PayloadField field_;

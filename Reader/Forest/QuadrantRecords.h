@@ -19,50 +19,48 @@ class QuadrantRecords
 {
 public:
   /// begin: in the file, bytes. recordBytes: not 0.
-  QuadrantRecords(std::string path, std::uint64_t begin, std::size_t recordBytes, std::uint64_t quadrants)
+  QuadrantRecords(std::string path, std::uint64_t begin, std::size_t recordBytes)
     : path_(std::move(path))
     , begin_(begin)
     , recordBytes_(recordBytes)
-    , quadrants_(quadrants)
-    , stream_(path_, std::ios::binary)
   {
   }
 
-  /// The bytes of a quadrant, until the next call. Quickest in the order of numbers. Throws Error where the file ends
-  /// before.
-  const std::byte* at(std::uint64_t quadrant)
+  std::size_t recordBytes() const noexcept { return recordBytes_; }
+  /// Those of quadrants from `first` on, one after the other, on any number of threads at once. Throws Error where the
+  /// file ends before.
+  void read(std::uint64_t first, std::uint64_t count, std::vector<std::byte>& bytes) const
   {
-    if (quadrant < blockBegin_ || quadrant >= blockEnd_)
+    bytes.resize(count * recordBytes_);
+    std::ifstream stream(path_, std::ios::binary);
+    stream.seekg(static_cast<std::streamoff>(begin_ + first * recordBytes_));
+    if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
     {
-      readBlock(quadrant);
+      throw Error(
+        path_ + ": values of quadrant " + std::to_string(first) + " and those after it cannot be read");
     }
-    return block_.data() + (quadrant - blockBegin_) * recordBytes_;
+  }
+  /// Calls visit(bytes) for each of them, reading by blocks.
+  template <class Visit>
+  void visit(std::uint64_t first, std::uint64_t count, const Visit& visit) const
+  {
+    const std::uint64_t most = std::max<std::uint64_t>(1, P4estInputFile::blockBytes / recordBytes_);
+    std::vector<std::byte> block;
+    for (const std::uint64_t end = first + count; first < end; first += std::min(most, end - first))
+    {
+      read(first, std::min(most, end - first), block);
+      for (const std::byte* record = block.data(); record != block.data() + block.size();
+           record += recordBytes_)
+      {
+        visit(record);
+      }
+    }
   }
 
 private:
-  void readBlock(std::uint64_t quadrant)
-  {
-    const std::uint64_t count = std::min<std::uint64_t>(
-      quadrants_ - quadrant, std::max<std::uint64_t>(1, P4estInputFile::blockBytes / recordBytes_));
-    block_.resize(count * recordBytes_);
-    blockBegin_ = quadrant;
-    blockEnd_ = quadrant + count;
-    stream_.seekg(static_cast<std::streamoff>(begin_ + quadrant * recordBytes_));
-    if (!stream_.read(reinterpret_cast<char*>(block_.data()), static_cast<std::streamsize>(block_.size())))
-    {
-      throw Error(
-        path_ + ": values of quadrant " + std::to_string(quadrant) + " and those after it cannot be read");
-    }
-  }
-
   std::string path_;
   std::uint64_t begin_;
   std::size_t recordBytes_;
-  std::uint64_t quadrants_;
-  std::ifstream stream_;
-  std::vector<std::byte> block_;
-  std::uint64_t blockBegin_ = 0; // quadrants
-  std::uint64_t blockEnd_ = 0;
 };
 
 } // namespace treeamr

@@ -14,18 +14,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string folder = fuzz::writeFiles({ { "values.npy", bytes } });
   try
   {
-    QuadrantArrayFile file(parseQuadrantArrays("values.npy").front(), folder + "forest", quadrants);
+    const QuadrantArrayFile file(parseQuadrantArrays("values.npy").front(), folder + "forest", quadrants);
     const std::size_t record =
       static_cast<std::size_t>(file.field().components) * payloadTypeSize(file.field().type);
     unsigned sum = 0;
-    for (std::uint64_t quadrant = 0; quadrant < quadrants; ++quadrant)
-    {
-      const std::byte* const values = file.at(quadrant);
+    file.records().visit(0, quadrants, [&](const std::byte* values) {
       for (std::size_t i = 0; i < record; ++i)
       {
         sum += std::to_integer<unsigned>(values[i]); // which a sanitizer watches
       }
-    }
+    });
     fuzz::require(sum <= 255 * size, "values are those of the file");
   }
   catch (const Error&)

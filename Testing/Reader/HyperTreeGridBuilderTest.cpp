@@ -12,7 +12,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <random>
 #include <tuple>
@@ -78,7 +80,8 @@ std::vector<std::uint64_t> countNodes(const std::vector<Cell>& cells, int trees)
   return counts;
 }
 
-void build(vtkHyperTreeGrid* grid, const std::vector<Cell>& cells, const std::vector<std::uint64_t>& counts)
+void build(vtkHyperTreeGrid* grid, const std::vector<Cell>& cells, const std::vector<std::uint64_t>& counts,
+  std::uint64_t blockLeaves)
 {
   HyperTreeGridBuilder builder(grid, twoTrees, counts, "cells");
   for (const PayloadField& field : fields)
@@ -87,13 +90,14 @@ void build(vtkHyperTreeGrid* grid, const std::vector<Cell>& cells, const std::ve
   }
   builder.addArray(std::make_unique<LevelFiller>(builder.nodeCount()));
   builder.addArray(std::make_unique<TreeIdFiller>(builder.nodeCount()));
-  for (const Cell& cell : cells)
-  {
-    TreeLeaf leaf = cell.leaf;
-    leaf.payload = reinterpret_cast<const std::byte*>(&cell.payload);
-    builder.add(leaf);
-  }
-  builder.finish();
+  builder.build(cells.size(), blockLeaves, [&](std::uint64_t begin, std::uint64_t end, LeafBlock& block) {
+    block.leaves.clear();
+    for (std::uint64_t i = begin; i < end; ++i)
+    {
+      block.leaves.push_back(cells[i].leaf);
+      block.leaves.back().payload = reinterpret_cast<const std::byte*>(&cells[i].payload);
+    }
+  });
 }
 
 using Place = std::tuple<int, int, std::array<std::uint32_t, 3>>;
@@ -170,12 +174,13 @@ private:
   std::size_t found_ = 0;
 };
 
-std::string messageOf(const std::vector<Cell>& cells, const std::vector<std::uint64_t>& counts)
+std::string messageOf(
+  const std::vector<Cell>& cells, const std::vector<std::uint64_t>& counts, std::uint64_t blockLeaves = 2)
 {
   vtkNew<vtkHyperTreeGrid> grid;
   try
   {
-    build(grid, cells, counts);
+    build(grid, cells, counts, blockLeaves);
   }
   catch (const Error& error)
   {
@@ -189,10 +194,13 @@ std::string messageOf(const std::vector<Cell>& cells, const std::vector<std::uin
 TEST(HyperTreeGridBuilder, HasEachLeafAtItsPlaceAndMasksTheRest)
 {
   std::mt19937 random(1);
-  for (const double missing : { 0., 0.2, 0.9 })
+  for (const auto& [missing, blockLeaves] :
+    { std::pair<double, std::uint64_t>{ 0., 1 }, { 0., 3 }, { 0., 100 }, { 0., 100000 }, { 0.2, 1 },
+      { 0.2, 7 }, { 0.2, 100000 }, { 0.9, 1 }, { 0.9, 2 }, { 0.9, 10 } })
   {
     for (const int trees : { 1, 2 })
     {
+      SCOPED_TRACE(std::to_string(blockLeaves) + " cells at a time");
       std::vector<Cell> cells;
       for (int tree = 0; tree < trees; ++tree)
       {
@@ -200,7 +208,7 @@ TEST(HyperTreeGridBuilder, HasEachLeafAtItsPlaceAndMasksTheRest)
       }
       const std::vector<std::uint64_t> counts = countNodes(cells, 2);
       vtkNew<vtkHyperTreeGrid> grid;
-      build(grid, cells, counts);
+      build(grid, cells, counts, blockLeaves);
       EXPECT_EQ(grid->HasMask(), missing > 0.);
       EXPECT_EQ(grid->GetNumberOfNonEmptyTrees(), trees);
       EXPECT_EQ(grid->GetNumberOfCells(), static_cast<vtkIdType>(counts[0] + counts[1]));
@@ -243,12 +251,48 @@ TEST(HyperTreeGridBuilder, CellsThatFitNotAreErrors)
       { { leaf(0, 2, 0), leaf(0, 1, 0) }, { 17, 0 }, "disjoint" },
       { { leaf(0, 0, 0), leaf(0, 1, 0) }, { 9, 0 }, "disjoint" }, { { leaf(0, 1, 2) }, { 9, 0 }, "disjoint" },
       { { leaf(0, 32, 0) }, { 1000, 0 }, "level 31" },
-      { { leaf(1, 0, 0), leaf(0, 0, 0) }, { 1, 1 }, "trees in the order" },
+      { { leaf(1, 0, 0), leaf(0, 0, 0) }, { 0, 1 }, "trees in the order" },
       { { leaf(2, 0, 0) }, { 1, 1 }, "up to 1" },
       { { leaf(0, 1, 0) }, { 1, 0 }, "more nodes, allowed are the 1 that were told" },
       { { leaf(0, 1, 0) }, { 17, 0 }, "9 nodes, allowed are the 17" },
+      { { leaf(0, 0, 0) }, { 1, 1 }, "tree 1: no cell, allowed are cells of the 1 nodes that were told" },
+      { { leaf(1, 0, 0) }, { 1, 1 }, "tree 0: no cell" },
       { { leaf(0, 1, 0) }, { std::uint64_t(1) << 32, 0 }, "the most of a vtkHyperTree" } })
   {
-    EXPECT_NE(messageOf(cells, counts).find(part), std::string::npos) << messageOf(cells, counts);
+    for (const std::uint64_t blockLeaves : { 1, 2, 3 })
+    {
+      const std::string message = messageOf(cells, counts, blockLeaves);
+      EXPECT_NE(message.find(part), std::string::npos) << message << ", should say " << part;
+    }
+  }
+}
+
+TEST(HyperTreeGridBuilder, ErrorsAreThoseOfTheFirstBlockThatHasOne)
+{
+  std::mt19937 random(3);
+  std::vector<Cell> cells;
+  addCells(0, 0, {}, 0., random, cells);
+  const std::vector<std::uint64_t> counts = countNodes(cells, 2);
+  for (int i = 0; i < 20; ++i)
+  {
+    vtkNew<vtkHyperTreeGrid> grid;
+    HyperTreeGridBuilder builder(grid, twoTrees, counts, "cells");
+    try
+    {
+      builder.build(cells.size(), 5, [&](std::uint64_t begin, std::uint64_t end, LeafBlock& block) {
+        if (begin >= 30)
+        {
+          throw Error("the block from " + std::to_string(begin) + " on");
+        }
+        block.leaves.clear();
+        std::transform(cells.begin() + begin, cells.begin() + end, std::back_inserter(block.leaves),
+          [](const Cell& cell) { return cell.leaf; });
+      });
+      ADD_FAILURE() << "no error";
+    }
+    catch (const Error& error)
+    {
+      EXPECT_STREQ(error.what(), "the block from 30 on");
+    }
   }
 }

@@ -62,10 +62,11 @@ protected:
 };
 
 template <class T>
-T valueAt(QuadrantArrayFile& file, std::uint64_t quadrant, std::size_t component = 0)
+T valueAt(const QuadrantArrayFile& file, std::uint64_t quadrant, std::size_t component = 0)
 {
-  T value;
-  std::memcpy(&value, file.at(quadrant) + component * sizeof(T), sizeof(T));
+  T value{};
+  file.records().visit(quadrant, 1,
+    [&](const std::byte* values) { std::memcpy(&value, values + component * sizeof(T), sizeof(T)); });
   return value;
 }
 
@@ -103,11 +104,12 @@ TEST_F(QuadrantArraysTest, FilesOfNumpy)
   QuadrantArrayFile all = open("a.npy", doubles.size());
   EXPECT_EQ(all.field().type, PayloadType::Float64);
   EXPECT_EQ(all.field().components, 1);
-  for (std::size_t i = 0; i < doubles.size(); ++i)
-  {
-    ASSERT_EQ(valueAt<double>(all, i), doubles[i]);
-  }
-  EXPECT_EQ(valueAt<double>(all, 5), 2.5); // again
+  std::size_t next = 100;
+  all.records().visit(next, doubles.size() - 100, [&](const std::byte* values) { // of several blocks
+    ASSERT_EQ(std::memcmp(values, &doubles[next++], sizeof(double)), 0);
+  });
+  EXPECT_EQ(next, doubles.size());
+  EXPECT_EQ(valueAt<double>(all, 5), 2.5);
 
   saveNumpy("b.npy", "{'descr': '<f8', 'fortran_order': False, 'shape': (100000, 3), }", doubles, 2);
   QuadrantArrayFile triples = open("velocity = b.npy", 100000);
