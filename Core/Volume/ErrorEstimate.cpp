@@ -7,7 +7,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
+#include <utility>
 
 namespace treeamr
 {
@@ -19,14 +21,20 @@ namespace
 constexpr double refinement = 4.;
 /// Below it more samples per cell hardly add to those that every block has.
 constexpr double leastConverged = 16.;
-/// Of the light that a ray which ended had left: between nothing and all.
-constexpr double missedByEnds = 0.5;
+/// Rays of what a frame is compared with end when this is left of their light.
+constexpr float convergedTransmittance = 0x1p-16f;
 /// One group of pixels in so many, within limits: a few dozen estimate an error to a fifth of it.
 constexpr std::size_t groupsPerChosen = 500;
 constexpr std::size_t leastChosen = 96;
 constexpr std::size_t mostChosen = 128;
 /// Groups of which one is chosen: to look at all of a large image would take as long as the rays.
 constexpr std::size_t candidatesPerChosen = 16;
+/// The groups of a thorough estimate, the samples that show where errors are, in those of the frame, and the part of
+/// the groups that is drawn by what these change.
+constexpr std::size_t thoroughlyChosen = 256;
+constexpr double compared = 2.;
+constexpr double leastCompared = 4.;
+constexpr double partByChange = 0.75;
 /// Added to a group's variation: even colours may be wrong.
 constexpr float litWeight = 0.02f;
 constexpr float unlitWeight = 0.001f;
@@ -71,8 +79,8 @@ float expectedError(const Image& frame, const PixelGroup& group)
 
 } // namespace
 
-ErrorEstimator::ErrorEstimator(
-  Volume& volume, const RayView& view, const VolumeSettings& settings, const Image& frame)
+ErrorEstimator::ErrorEstimator(Volume& volume, const RayView& view, const VolumeSettings& settings,
+  const Image& frame, EstimateEffort effort)
   : volume_(volume)
   , view_(view)
   , settings_(settings)
@@ -84,8 +92,15 @@ ErrorEstimator::ErrorEstimator(
       std::to_string(frame.height) + " pixels for a camera of " + std::to_string(camera.width()) + " x " +
       std::to_string(camera.height()));
   }
-  choose(frame);
-  std::vector<float> ofFrame(groups_.size() * PixelGroup::rgbaSize, 0.f);
+  choose(frame, effort);
+  const std::vector<float> rgba = ofFrame(frame);
+  refine(settings.samplesPerCell);
+  error_ = errorOf(rgba);
+}
+
+std::vector<float> ErrorEstimator::ofFrame(const Image& frame) const
+{
+  std::vector<float> rgba(groups_.size() * PixelGroup::rgbaSize, 0.f);
   for (std::size_t g = 0; g < groups_.size(); ++g)
   {
     const auto [x, y] = groups_[g];
@@ -93,26 +108,25 @@ ErrorEstimator::ErrorEstimator(
     for (int row = 0; row < std::min(PixelGroup::width, frame.height - y); ++row)
     {
       std::copy_n(frame.rgba.data() + 4 * (static_cast<std::size_t>(y + row) * frame.width + x), 4 * columns,
-        ofFrame.data() + g * PixelGroup::rgbaSize + static_cast<std::size_t>(row) * 4 * PixelGroup::width);
+        rgba.data() + g * PixelGroup::rgbaSize + static_cast<std::size_t>(row) * 4 * PixelGroup::width);
     }
   }
-  refine(settings.samplesPerCell);
-  ofSamples_ = errorOfSamples(ofFrame);
-  ofEnds_ = settings.blend == VolumeBlend::Composite ? errorOfEnds(ofFrame) : 0.;
+  return rgba;
 }
 
-void ErrorEstimator::choose(const Image& frame)
+void ErrorEstimator::choose(const Image& frame, EstimateEffort effort)
 {
   constexpr int perTile = volumeTileWidth / PixelGroup::width;
   const int columns = (frame.width + volumeTileWidth - 1) / volumeTileWidth;
   const int rows = (frame.height + volumeTileWidth - 1) / volumeTileWidth;
   const std::size_t all =
     static_cast<std::size_t>(columns) * rows * perTile * perTile; // also beyond the image
-  const std::size_t count = std::clamp(all / groupsPerChosen, leastChosen, mostChosen);
+  const std::size_t count = effort == EstimateEffort::Thorough
+    ? thoroughlyChosen
+    : std::clamp(all / groupsPerChosen, leastChosen, mostChosen);
   const std::size_t step = std::max<std::size_t>(1, all / (count * candidatesPerChosen));
 
-  std::vector<PixelGroup> candidates; // in the order of tiles
-  std::vector<double> sums;           // of weights up to and with each
+  std::vector<double> expected; // by candidate
   for (std::size_t i = 0; i * step < all; ++i)
   {
     const std::size_t index = i * step + static_cast<std::size_t>(golden(i) * static_cast<double>(step));
@@ -122,93 +136,108 @@ void ErrorEstimator::choose(const Image& frame)
       tile / columns * volumeTileWidth + inTile / perTile * PixelGroup::width };
     if (group.x < frame.width && group.y < frame.height)
     {
-      candidates.push_back(group);
-      sums.push_back(expectedError(frame, group) + (sums.empty() ? 0. : sums.back()));
+      groups_.push_back(group); // in the order of tiles
+      expected.push_back(expectedError(frame, group));
     }
   }
-  if (candidates.empty())
+  if (effort == EstimateEffort::Thorough)
   {
-    return;
+    addChange(frame, expected);
   }
-  const double values = 3. * frame.width * frame.height;
-  const double perDraw = sums.back() / static_cast<double>(count);
-  std::size_t at = 0;
-  std::size_t last = candidates.size(); // drawn last
-  for (std::size_t i = 0; i < count; ++i)
+  draw(expected, count);
+  for (double& weight : weights_)
   {
-    const double sum = (static_cast<double>(i) + golden(i)) * perDraw;
-    while (at + 1 < candidates.size() && sums[at] <= sum)
-    {
-      ++at;
-    }
-    if (at != last)
-    {
-      groups_.push_back(candidates[at]);
-      weights_.push_back(0.);
-      last = at;
-    }
-    const double chance = (sums[at] - (at > 0 ? sums[at - 1] : 0.)) / perDraw / static_cast<double>(step);
-    weights_.back() += 1. / (chance * values);
+    weight *= static_cast<double>(step) / (3. * frame.width * frame.height);
   }
 }
 
-std::vector<float> ErrorEstimator::render(double samplesPerCell, bool doubles)
+void ErrorEstimator::addChange(const Image& frame, std::vector<double>& expected)
+{
+  const std::vector<float> before = ofFrame(frame);
+  VolumeSettings settings = withSamples(std::max(compared * settings_.samplesPerCell, leastCompared));
+  settings.leastTransmittance = convergedTransmittance;
+  const std::vector<float> after = render(settings);
+  std::vector<double> squares(expected.size(), 0.);
+  for (std::size_t i = 0; i < before.size(); ++i)
+  {
+    squares[i / PixelGroup::rgbaSize] +=
+      i % 4 < 3 ? std::pow(static_cast<double>(before[i]) - after[i], 2) : 0.;
+  }
+  const double sum = std::reduce(squares.begin(), squares.end());
+  const double sumOfExpected = std::reduce(expected.begin(), expected.end());
+  for (std::size_t g = 0; g < expected.size() && sum > 0.; ++g)
+  {
+    expected[g] = partByChange * squares[g] / sum + (1. - partByChange) * expected[g] / sumOfExpected;
+  }
+}
+
+void ErrorEstimator::draw(const std::vector<double>& expected, std::size_t count)
+{
+  const std::vector<PixelGroup> candidates = std::exchange(groups_, {});
+  const double perDraw = std::reduce(expected.begin(), expected.end()) / static_cast<double>(count);
+  double sum = 0.;
+  std::size_t drawn = 0;
+  for (std::size_t g = 0; g < candidates.size(); ++g)
+  {
+    sum += expected[g];
+    std::size_t times = 0;
+    for (; drawn < count && (static_cast<double>(drawn) + golden(drawn)) * perDraw < sum; ++drawn)
+    {
+      ++times;
+    }
+    if (times > 0)
+    {
+      groups_.push_back(candidates[g]);
+      weights_.push_back(static_cast<double>(times) * perDraw / expected[g]);
+    }
+  }
+}
+
+std::vector<float> ErrorEstimator::render(const VolumeSettings& settings)
 {
   std::vector<float> rgba(groups_.size() * PixelGroup::rgbaSize);
-  VolumeSettings settings = settings_;
-  settings.samplesPerCell = samplesPerCell;
-  settings.doubles = settings.doubles || doubles;
   volume_.renderGroups(view_, settings, groups_, rgba);
   return rgba;
 }
 
+VolumeSettings ErrorEstimator::withSamples(double samplesPerCell) const
+{
+  VolumeSettings settings = settings_;
+  settings.samplesPerCell = std::min(samplesPerCell, VolumeSettings::maxSamplesPerCell);
+  return settings;
+}
+
 void ErrorEstimator::refine(double samplesPerCell)
 {
-  const double wanted =
-    std::min(std::max(refinement * samplesPerCell, leastConverged), VolumeSettings::maxSamplesPerCell);
-  if (wanted > convergedSamples_)
+  VolumeSettings settings = withSamples(std::max(refinement * samplesPerCell, leastConverged));
+  if (settings.samplesPerCell > convergedSamples_)
   {
-    converged_ = render(wanted, needsDoubles(volume_.field(), volume_.transferFunction()));
-    convergedSamples_ = wanted;
+    settings.leastTransmittance = convergedTransmittance;
+    settings.doubles = settings.doubles || needsDoubles(volume_.field(), volume_.transferFunction());
+    converged_ = render(settings);
+    convergedSamples_ = settings.samplesPerCell;
   }
 }
 
-template <class Squares>
-double ErrorEstimator::rootOfSum(const Squares& squares) const noexcept
+double ErrorEstimator::errorOf(const std::vector<float>& rgba) const noexcept
 {
   double all = 0.;
   for (std::size_t g = 0; g < groups_.size(); ++g)
   {
     double ofGroup = 0.;
-    for (std::size_t i = g * PixelGroup::rgbaSize; i < (g + 1) * PixelGroup::rgbaSize; i += 4)
+    for (std::size_t i = g * PixelGroup::rgbaSize; i < (g + 1) * PixelGroup::rgbaSize; ++i)
     {
-      ofGroup += squares(i);
+      ofGroup += i % 4 < 3 ? std::pow(static_cast<double>(rgba[i]) - converged_[i], 2) : 0.;
     }
     all += weights_[g] * ofGroup;
   }
   return std::sqrt(all);
 }
 
-double ErrorEstimator::errorOfSamples(const std::vector<float>& rgba) const noexcept
+double ErrorEstimator::errorWith(double samplesPerCell)
 {
-  return rootOfSum([&](std::size_t i) {
-    double sum = 0.;
-    for (std::size_t c = i; c < i + 3; ++c)
-    {
-      const double difference = static_cast<double>(rgba[c]) - converged_[c];
-      sum += difference * difference;
-    }
-    return sum;
-  });
-}
-
-double ErrorEstimator::errorOfEnds(const std::vector<float>& rgba) const noexcept
-{
-  return rootOfSum([&](std::size_t i) {
-    const double opacity = rgba[i + 3];
-    const double missed = opacity > 1. - opaqueTransmittance ? missedByEnds * (1. - opacity) / opacity : 0.;
-    return missed * missed * (rgba[i] * rgba[i] + rgba[i + 1] * rgba[i + 1] + rgba[i + 2] * rgba[i + 2]);
-  });
+  refine(samplesPerCell);
+  return errorOf(render(withSamples(samplesPerCell)));
 }
 
 double ErrorEstimator::findSamplesPerCell(double target, double least, double most)
@@ -220,19 +249,16 @@ double ErrorEstimator::findSamplesPerCell(double target, double least, double mo
   };
   std::vector<Try> tries;
   const auto attempt = [&](double samples) {
-    refine(samples);
-    tries.push_back({ samples, errorOfSamples(render(samples, false)) });
+    tries.push_back({ samples, errorWith(samples) });
     return tries.back();
   };
-  // What is left of the target for the samples; half of it where the ends of rays alone would miss it.
-  const double allowed = std::max(0.5 * target, std::sqrt(std::max(0., target * target - ofEnds_ * ofEnds_)));
-  // Neighbouring settings on the two sides of that.
-  Try misses{ std::clamp(settings_.samplesPerCell, least, most), ofSamples_ };
+  // Neighbouring settings on the two sides of the target.
+  Try misses{ std::clamp(settings_.samplesPerCell, least, most), error_ };
   Try meets = misses;
   tries.push_back(misses);
-  if (misses.error > allowed)
+  if (misses.error > target)
   {
-    while (meets.error > allowed)
+    while (meets.error > target)
     {
       if (meets.samples == most)
       {
@@ -247,7 +273,7 @@ double ErrorEstimator::findSamplesPerCell(double target, double least, double mo
   }
   else
   {
-    while (misses.error <= allowed)
+    while (misses.error <= target)
     {
       if (misses.samples == least)
       {
@@ -260,37 +286,37 @@ double ErrorEstimator::findSamplesPerCell(double target, double least, double mo
   // In between about a power of the samples, with jumps where many blocks get one sample more or are integrated in
   // another way.
   constexpr int refinements = 2;
-  for (int i = 0; i < refinements && allowed > 0.; ++i)
+  for (int i = 0; i < refinements && target > 0.; ++i)
   {
     const double part =
-      std::log(misses.error / allowed) / (std::log(misses.error) - std::log(std::max(meets.error, 1e-12)));
+      std::log(misses.error / target) / (std::log(misses.error) - std::log(std::max(meets.error, 1e-12)));
     const Try between =
       attempt(misses.samples * std::pow(meets.samples / misses.samples, std::clamp(part, 0.1, 0.9)));
-    (between.error > allowed ? misses : meets) = between;
+    (between.error > target ? misses : meets) = between;
   }
   return meets.samples;
 }
 
 bool ErrorTarget::update(ErrorEstimator& estimator, double target)
 {
-  // Room for what the estimate errs by and for other views; within it the samples stay what they are.
-  constexpr double aim = 0.7;
-  constexpr double aimOfFewer = 0.75;
-  constexpr double low = 0.5;
+  // Room for what the estimate errs by.
+  constexpr double aim = 0.95;
   const double before = samplesPerCell_;
-  const double error = estimator.error();
-  if (error > target)
+  const bool misses = estimator.error() > target;
+  if (misses)
   {
     samplesPerCell_ = estimator.findSamplesPerCell(aim * target, least, most);
   }
-  else if (error < low * target || target != triedTarget_)
+  else if (const double half = 0.5 * before; half >= least)
   {
-    // Once for each target also of a frame within the room: where samples hardly matter, far fewer may do.
-    samplesPerCell_ =
-      std::min(before, estimator.findSamplesPerCell(std::max(aimOfFewer * target, error), least, most));
+    // While half of the samples are too few they stay what they are.
+    const double error = estimator.errorWith(half);
+    if (error <= target)
+    {
+      samplesPerCell_ = estimator.findSamplesPerCell(std::max(aim * target, error), least, before);
+    }
   }
-  triedTarget_ = target;
-  return error > target && samplesPerCell_ > before;
+  return misses && samplesPerCell_ > before;
 }
 
 } // namespace treeamr

@@ -101,6 +101,11 @@ void check(const RayView& view, const VolumeSettings& settings)
       " samples per cell, allowed are values above 0 up to " +
       std::to_string(VolumeSettings::maxSamplesPerCell));
   }
+  if (!(settings.leastTransmittance > 0.f) || !(settings.leastTransmittance < 1.f))
+  {
+    throw Error("volume: rays that end with " + std::to_string(settings.leastTransmittance) +
+      " of their light, allowed are values above 0 and below 1");
+  }
   view.stops.check(view.camera, "volume");
   const bool isComposite = settings.blend == VolumeBlend::Composite;
   if (view.stops.hits && !isComposite)

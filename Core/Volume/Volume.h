@@ -20,9 +20,6 @@ class GradientCache;
 class VolumeTable;
 struct VolumeKernelScene;
 
-/// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
-inline constexpr float opaqueTransmittance = 1.f / 1024.f;
-
 /// 4 x 4 neighbouring pixels.
 struct PixelGroup
 {

@@ -14,6 +14,9 @@
 namespace treeamr
 {
 
+/// A ray with less light left than this is done: a quarter of what an 8-bit channel shows.
+inline constexpr float opaqueTransmittance = 1.f / 1024.f;
+
 /// What a ray makes of the values along it.
 enum class VolumeBlend
 {
@@ -60,6 +63,8 @@ struct VolumeSettings
   /// Integrate over the values between samples where points would miss too much of the transfer function; off only
   /// to measure that.
   bool preIntegration = true;
+  /// Of its light that a ray may have left when it ends, above 0 and below 1; less only to measure what that leaves out.
+  float leastTransmittance = opaqueTransmittance;
   /// Count in doubles where floats would do, too; on only to test that.
   bool doubles = false;
   /// Nodes whose children are smaller than this many pixels may be drawn from their means; 0 is off.

@@ -91,7 +91,8 @@ void vtkTreeAMRVolumeMapper::CastRays(const treeamr::RayView& view, bool isPart,
   treeamr::ErrorTarget target(settings.samplesPerCell);
   const auto estimate = [&] {
     const treeamr::Stopwatch stopwatch(frame.ErrorSeconds);
-    treeamr::ErrorEstimator estimator(*internals.Volume, view, settings, image);
+    treeamr::ErrorEstimator estimator(*internals.Volume, view, settings, image,
+      this->TargetError > 0. ? treeamr::EstimateEffort::Thorough : treeamr::EstimateEffort::Quick);
     squaredError = std::pow(estimator.error(), 2);
     return this->TargetError > 0. && target.update(estimator, this->TargetError);
   };

@@ -26,11 +26,16 @@ struct Header
 };
 static_assert(sizeof(Header) == 24);
 
-Header describe(const ContentDigest& forest, const TransferFunction& transferFunction, const Camera& camera)
+Header describe(const ContentDigest& forest, const TransferFunction& transferFunction, const Camera& camera,
+  float leastTransmittance)
 {
   Header header{ forest, camera.width(), camera.height() };
   header.digest.add(rendererVersion);
   header.digest.add(samplesPerCell);
+  if (leastTransmittance != opaqueTransmittance)
+  {
+    header.digest.add(static_cast<double>(leastTransmittance));
+  }
   header.digest.add(transferFunction.min());
   header.digest.add(transferFunction.scale());
   for (const TransferFunction::Entry& e : transferFunction.entries())
@@ -59,19 +64,21 @@ std::streamsize byteSize(const Image& image)
 
 } // namespace
 
-Image convergedImage(const Field& field, const TransferFunction& transferFunction, const Camera& camera)
+Image convergedImage(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
+  float leastTransmittance)
 {
   Image image(camera.width(), camera.height());
   VolumeSettings settings;
   settings.samplesPerCell = samplesPerCell;
+  settings.leastTransmittance = leastTransmittance;
   test::renderVolumeReference(field, transferFunction, camera, {}, settings, image);
   return image;
 }
 
 Image referenceImage(const std::string& path, const ContentDigest& forest, const Field& field,
-  const TransferFunction& transferFunction, const Camera& camera)
+  const TransferFunction& transferFunction, const Camera& camera, float leastTransmittance)
 {
-  const Header header = describe(forest, transferFunction, camera);
+  const Header header = describe(forest, transferFunction, camera, leastTransmittance);
   Image image(camera.width(), camera.height());
   Header found{};
   std::ifstream in(path, std::ios::binary);
@@ -81,7 +88,7 @@ Image referenceImage(const std::string& path, const ContentDigest& forest, const
   {
     return image;
   }
-  image = convergedImage(field, transferFunction, camera);
+  image = convergedImage(field, transferFunction, camera, leastTransmittance);
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(&header), sizeof(header));
   out.write(reinterpret_cast<const char*>(image.rgba.data()), byteSize(image));

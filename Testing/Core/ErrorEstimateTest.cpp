@@ -208,7 +208,10 @@ struct Frame
     volume.render({ camera, stops }, settings, image);
     return image;
   }
-  ErrorEstimator estimator(const Image& image) { return { volume, { camera, stops }, settings, image }; }
+  ErrorEstimator estimator(const Image& image, EstimateEffort effort = EstimateEffort::Quick)
+  {
+    return { volume, { camera, stops }, settings, image, effort };
+  }
   Image converged() const
   {
     Image image(camera.width(), camera.height());
@@ -272,9 +275,6 @@ TEST(ErrorEstimate, HoldsForFunctionsOfEveryKind)
 {
   const Cases cases;
   Score estimates;
-  int met = 0;
-  int thrifty = 0;
-  int targets = 0;
   for (const auto& [name, field, function, camera] : cases.all())
   {
     Frame frame{ *field, function, camera, {} };
@@ -299,21 +299,17 @@ TEST(ErrorEstimate, HoldsForFunctionsOfEveryKind)
       {
         ASSERT_LT(frames, 3) << name;
         frame.settings.samplesPerCell = control.samplesPerCell();
-        auto estimator = frame.estimator(frame.render());
+        auto estimator = frame.estimator(frame.render(), EstimateEffort::Thorough);
         again = control.update(estimator, target);
       }
+      // Never more than twice the samples needed: but for what the estimate errs by.
       const double samples = control.samplesPerCell();
-      const double truth = truthWith(samples);
-      EXPECT_LE(truth, 1.5 * target) << name;
-      met += truth <= 1.1 * target;
-      thrifty += samples == ErrorTarget::least || truthWith(0.5 * samples) > target;
-      ++targets;
+      EXPECT_LE(truthWith(samples), 1.1 * target) << name;
+      EXPECT_TRUE(0.5 * samples < ErrorTarget::least || truthWith(0.5 * samples) > 0.95 * target) << name;
     }
   }
   EXPECT_GT(estimates.all, 60);
   estimates.expectMostAreGood("estimate");
-  EXPECT_GE(met, 0.95 * targets);
-  EXPECT_GE(thrifty, 0.95 * targets);
 }
 
 TEST(ErrorEstimate, IsWithinAFactorOfTwoOfPartsOfRaysWithSurfaces)
@@ -435,7 +431,11 @@ TEST(ErrorEstimate, FindsTheSamplesForAnError)
       EXPECT_GT(truthWith(0.5 * samples), 0.5 * target) << factor;
     }
     auto estimator = frame.estimator(frame.render());
-    EXPECT_EQ(estimator.findSamplesPerCell(0., 0.25, 16.), 16.);
+    // What cannot be met: the fewest that come about as close as any.
+    const double fewest = estimator.findSamplesPerCell(0., 0.25, 16.);
+    EXPECT_GT(fewest, 2.);
+    EXPECT_LE(estimator.errorWith(fewest), 1.11 * estimator.errorWith(16.));
+    EXPECT_GT(estimator.errorWith(0.5 * fewest), 1.1 * estimator.errorWith(16.));
     EXPECT_EQ(estimator.findSamplesPerCell(1., 0.25, 16.), 0.25);
   }
 }
@@ -447,7 +447,7 @@ TEST(ErrorEstimate, FramesComeToTheirTarget)
   std::mt19937 random(8);
   const Camera camera = randomCamera(random);
   Frame frame{ *field, solid, camera, { .samplesPerCell = 1. } };
-  const double target = 0.2 * frame.estimator(frame.render()).error();
+  const double target = 0.35 * frame.estimator(frame.render()).error();
   ErrorTarget control(1.);
   EXPECT_EQ(control.samplesPerCell(), 1.);
   int frames = 1;

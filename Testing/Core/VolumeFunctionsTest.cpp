@@ -2,6 +2,7 @@
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/ImageError.h"
+#include "Support/RandomTrees.h"
 #include "Support/VolumeCases.h"
 #include "Support/VolumeReference.h"
 
@@ -88,6 +89,30 @@ TEST(VolumeFunctions, WhatIsOutsideTheTableCountsOutside)
     settings.samplesPerCell = samples;
     volume.render(camera, settings, image);
     EXPECT_NEAR(image.rgba[4 * 4 + 3], -std::expm1(-extinction * 0.75e-3 / count), 1e-6) << samples;
+  }
+}
+
+TEST(VolumeFunctions, RaysEndWithTheLightAskedFor)
+{
+  constexpr float extinction = 9.f;
+  const Matrix4 view{ 0, 0, 1, -0.5, 0, 1, 0, -0.5, -1, 0, 0, -3, 0, 0, 0, 1 }; // along x
+  const Camera camera(multiply(parallel(0.3, 0.1, 9.), view), identityMatrix, 3, 3);
+  const auto field = makeField(unitRoots({ 1, 1, 1 }), makeRandomTree({ 7, { 1, 1, 1 }, 5, 0.9, 0., true }));
+  const Entry even = entry(0.5f, extinction);
+  const TransferFunction function = TransferFunction::ofNodes({ { -1., even, even }, { 1., even, even } });
+  for (const double samples : { 2., 64. })
+  {
+    Volume volume(field, function);
+    const auto transmittance = [&](float least) {
+      Image image(3, 3);
+      volume.render(camera, { .samplesPerCell = samples, .leastTransmittance = least }, image);
+      return 1. - image.rgba[4 * 4 + 3];
+    };
+    EXPECT_NEAR(transmittance(0x1p-16f), std::exp(-extinction), 2e-7) << samples;
+    EXPECT_GT(transmittance(0.1f), 0.01) << samples;
+    EXPECT_LT(transmittance(0.1f), 0.1) << samples;
+    EXPECT_THROW(transmittance(0.f), Error);
+    EXPECT_THROW(transmittance(1.f), Error);
   }
 }
 

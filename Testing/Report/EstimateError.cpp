@@ -74,8 +74,8 @@ public:
       const Camera camera = randomCamera(random, pixels);
       const std::string path = options.folder + "/" + scene.name + "-view-" + std::to_string(i) +
         (options.brief ? "-brief" : "") + ".reference";
-      views_.push_back(
-        { camera, bench::referenceImage(path, forest.digest, *field_, scene.transferFunction, camera) });
+      views_.push_back({ camera,
+        bench::referenceImage(path, forest.digest, *field_, scene.transferFunction, camera, 0x1p-20f) });
     }
     VolumeSettings finest;
     finest.samplesPerCell = ErrorTarget::most;
@@ -131,7 +131,7 @@ public:
         {
           settings.samplesPerCell = control.samplesPerCell();
           image = render(view.camera, settings);
-          auto estimated = estimator(view.camera, settings, image);
+          auto estimated = estimator(view.camera, settings, image, EstimateEffort::Thorough);
           again = control.update(estimated, target);
           if (!again || frames == 2)
           {
@@ -156,9 +156,10 @@ private:
     return image;
   }
 
-  ErrorEstimator estimator(const Camera& camera, const VolumeSettings& settings, const Image& frame)
+  ErrorEstimator estimator(const Camera& camera, const VolumeSettings& settings, const Image& frame,
+    EstimateEffort effort = EstimateEffort::Quick)
   {
-    return { *volume_, camera, settings, frame };
+    return { *volume_, camera, settings, frame, effort };
   }
 
   void add(double target, double samplesPerCell, double truth, double estimated, double worst, double good,
@@ -181,7 +182,7 @@ private:
   std::shared_ptr<Field> field_;
   std::unique_ptr<Volume> volume_;
   std::vector<View> views_;
-  double floor_; // median true error with the most samples: no estimate sees it
+  double floor_; // median true error with the most samples: the ends of rays and what no samples change
 };
 
 } // namespace

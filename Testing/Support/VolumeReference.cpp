@@ -315,12 +315,12 @@ private:
   }
 
   /// Takes a ray across its hits before `end`.
-  static void crossHits(TileRay& ray, double end) noexcept
+  void crossHits(TileRay& ray, double end) const noexcept
   {
     for (; !ray.hits.empty() && ray.hits.front().t < end; ray.hits = ray.hits.subspan(1))
     {
       const TranslucentHit& hit = ray.hits.front();
-      if (!(ray.transmittance > opaqueTransmittance))
+      if (!(ray.transmittance > settings_.leastTransmittance))
       {
         continue;
       }
@@ -366,7 +366,7 @@ private:
       const TileRay& ray = rays_[r];
       double t0 = ray.parts.begin[0];
       double t1 = ray.parts.end[ray.parts.count - 1];
-      if (ray.transmittance > opaqueTransmittance && ray.slab.clip(box.min, box.max, t0, t1) &&
+      if (ray.transmittance > settings_.leastTransmittance && ray.slab.clip(box.min, box.max, t0, t1) &&
         meetsParts(ray, t0, t1))
       {
         crossing |= RayMask(1) << r;
@@ -452,7 +452,7 @@ private:
       {
         crossHits(ray, std::nextafter(begin, end)); // that are passed
         const double stop = ray.hits.empty() ? end : std::min(end, ray.hits.front().t);
-        if (ray.transmittance > opaqueTransmittance)
+        if (ray.transmittance > settings_.leastTransmittance)
         {
           integrate(ray, { begin, stop }, box, halfWidths, leafField);
         }
@@ -558,7 +558,7 @@ private:
       bend = std::max(bend, std::abs(values[i] - std::lerp(first, last, part)));
     }
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    if (ray.transmittance < 1e-6 ||
+    if (ray.transmittance < settings_.leastTransmittance ||
       !transferFunction_.isVisible({ static_cast<float>(*low - bend), static_cast<float>(*high + bend) }))
     {
       return;
@@ -629,8 +629,7 @@ VolumeStatistics renderVolumeReference(const Field& field, const TransferFunctio
 void renderVolumeConverged(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const RayStops& stops, Image& image)
 {
-  const VolumeSettings settings;
-  render(field, transferFunction, camera, stops, settings, true, image);
+  render(field, transferFunction, camera, stops, { .leastTransmittance = 0x1p-20f }, true, image);
 }
 
 } // namespace treeamr::test

@@ -320,11 +320,19 @@ HWY_INLINE void lightMeans(const Lighting& lighting, const Span<Real>& span, Rea
   }
 }
 
+/// Of steps.
+template <class Real>
+struct IntegralLimits
+{
+  Real tolerance; // of what a step adds
+  Real leastTransmittance;
+};
+
 /// Takes rays through their samples; how many steps of the vector that took. Lighting: as of takePoints().
 template <class Real, class Values, class Lighting>
-HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Real>& span, Real tolerance,
-  const Values& values, const ToTable<Real>& toTable, const Lattice<Real>& lattice, const Lighting& lighting,
-  Light<Real>& light)
+HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Real>& span,
+  const IntegralLimits<Real>& limits, const Values& values, const ToTable<Real>& toTable,
+  const Lattice<Real>& lattice, const Lighting& lighting, Light<Real>& light)
 {
   const RealTag<Real> d;
   const Reals<Real> zero = hn::Zero(d);
@@ -348,7 +356,7 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
   for (;;)
   {
     const Mask<Real> active =
-      hn::And(hn::Lt(at, span.samples), hn::Gt(light.transmittance, hn::Set(d, Real(opaqueTransmittance))));
+      hn::And(hn::Lt(at, span.samples), hn::Gt(light.transmittance, hn::Set(d, limits.leastTransmittance)));
     if (hn::AllFalse(d, active))
     {
       return steps;
@@ -409,7 +417,8 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
         error, hn::IfThenElseZero(isDense, hn::Mul(hn::Max(front, back), hn::Set(d, Real(partOfColors)))));
     }
     // A little of what would be much where the field is flat: halves show more and more of it.
-    const Reals<Real> least = hn::Max(hn::Mul(both[3], half<Real>()), hn::Set(d, tolerance * Real(0x1p-10)));
+    const Reals<Real> least =
+      hn::Max(hn::Mul(both[3], half<Real>()), hn::Set(d, limits.tolerance * Real(0x1p-10)));
     const Mask<Real> grows = hn::Gt(hn::Sub(both[3], whole.term[3]), least);
     // Of a step that goes far beyond the table little is in it, and three places tell little of that.
     const Reals<Real> ahead = hn::Max(before.at, after.at);
@@ -417,7 +426,7 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     const Mask<Real> isWide = hn::And(
       hn::Gt(hn::Sub(ahead, behind), widest), hn::And(hn::Gt(ahead, tableBegin), hn::Lt(behind, tableEnd)));
     const Mask<Real> agrees =
-      hn::And(active, hn::AndNot(hn::Or(grows, isWide), hn::Le(error, hn::Set(d, tolerance))));
+      hn::And(active, hn::AndNot(hn::Or(grows, isWide), hn::Le(error, hn::Set(d, limits.tolerance))));
     Reals<Real> turn = one;
     if (!hn::AllFalse(d, agrees))
     {

@@ -60,7 +60,8 @@ public:
     , scene_(scene)
     , table_(&scene.table.entries.data()->r)
     , samplesPerCell_(static_cast<Real>(scene.settings.samplesPerCell))
-    , integralTolerance_(integralTolerance / samplesPerCell_)
+    , integralLimits_{ integralTolerance / samplesPerCell_,
+      static_cast<Real>(scene.settings.leastTransmittance) }
   {
   }
 
@@ -150,6 +151,7 @@ protected:
   using Rays::lengthPerT_;
   using Rays::nextHitT_;
   using Rays::opacity_;
+  using Rays::opaque_;
   using Rays::origin_;
   using Rays::parts_;
   using Rays::red_;
@@ -295,7 +297,7 @@ protected:
     if constexpr (PreIntegrated)
     {
       const std::uint64_t steps = takeIntegrals(
-        *scene_.table.integrals, span, integralTolerance_, values, block.toTable, lattice, lighting, light);
+        *scene_.table.integrals, span, integralLimits_, values, block.toTable, lattice, lighting, light);
       statistics_.steps += steps;
       statistics_.litSteps += steps;
     }
@@ -317,7 +319,7 @@ protected:
     hn::Store(light.red, d, red_ + ray);
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
-    finishWhere(hn::Gt(light.opacity, hn::Set(d, Real(opaque))), ray);
+    finishWhere(hn::Gt(light.opacity, hn::Set(d, opaque_)), ray);
   }
 
   /// Ends rays from `ray` on.
@@ -371,7 +373,7 @@ private:
   const VolumeKernelScene& scene_;
   const float* table_;
   Real samplesPerCell_;
-  Real integralTolerance_;
+  IntegralLimits<Real> integralLimits_;
   /// By lane: summing a vector up at each interval takes longer.
   HWY_ALIGN std::int32_t samples_[lanes<Real>] = {};
 };

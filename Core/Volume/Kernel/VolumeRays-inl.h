@@ -30,8 +30,6 @@ static_assert(volumeTileWidth * volumeTileWidth == tileRays);
 /// Bit g: group g.
 using GroupMask = std::uint32_t;
 
-constexpr float opaque = 1.f - opaqueTransmittance;
-
 /// Where rays start.
 enum class RayOrigins
 {
@@ -51,6 +49,7 @@ public:
 
   explicit TileRays(const VolumeKernelScene& scene)
     : hasHits_(scene.stops.hits.has_value())
+    , opaque_(1.f - scene.settings.leastTransmittance)
     , scene_(scene)
     , width_(scene.camera.width())
     , height_(scene.camera.height())
@@ -232,6 +231,7 @@ public:
   HWY_ALIGN Real opacity_[tileRays];
   int parts_ = 1; // of begin_ and end_ in use: the most of any ray
   bool hasHits_;
+  Real opaque_;                       // a ray with more opacity is done
   HWY_ALIGN Real nextHitT_[tileRays]; // with hits only; infinite: none
   std::uint64_t drawnRays_ = 0;       // of all tiles so far
 
@@ -304,12 +304,12 @@ private:
   HWY_NOINLINE void crossHit(int r) noexcept
   {
     const std::array<float, 4>& rgba = scene_.stops.hits->hits[nextHit_[r]].rgba;
-    const Real weight = opacity_[r] > opaque ? 0 : (1 - opacity_[r]) * rgba[3];
+    const Real weight = opacity_[r] > opaque_ ? 0 : (1 - opacity_[r]) * rgba[3];
     red_[r] += weight * rgba[0];
     green_[r] += weight * rgba[1];
     blue_[r] += weight * rgba[2];
     opacity_[r] += weight;
-    for (int part = 0; opacity_[r] > opaque && part < parts_; ++part)
+    for (int part = 0; opacity_[r] > opaque_ && part < parts_; ++part)
     {
       end_[part][r] = finished;
     }
