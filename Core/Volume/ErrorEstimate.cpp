@@ -163,8 +163,8 @@ void ErrorEstimator::addChange(const Image& frame, std::vector<double>& expected
     squares[i / PixelGroup::rgbaSize] +=
       i % 4 < 3 ? std::pow(static_cast<double>(before[i]) - after[i], 2) : 0.;
   }
-  const double sum = std::reduce(squares.begin(), squares.end());
-  const double sumOfExpected = std::reduce(expected.begin(), expected.end());
+  const double sum = std::accumulate(squares.begin(), squares.end(), 0.);
+  const double sumOfExpected = std::accumulate(expected.begin(), expected.end(), 0.);
   for (std::size_t g = 0; g < expected.size() && sum > 0.; ++g)
   {
     expected[g] = partByChange * squares[g] / sum + (1. - partByChange) * expected[g] / sumOfExpected;
@@ -174,7 +174,7 @@ void ErrorEstimator::addChange(const Image& frame, std::vector<double>& expected
 void ErrorEstimator::draw(const std::vector<double>& expected, std::size_t count)
 {
   const std::vector<PixelGroup> candidates = std::exchange(groups_, {});
-  const double perDraw = std::reduce(expected.begin(), expected.end()) / static_cast<double>(count);
+  const double perDraw = std::accumulate(expected.begin(), expected.end(), 0.) / static_cast<double>(count);
   double sum = 0.;
   std::size_t drawn = 0;
   for (std::size_t g = 0; g < candidates.size(); ++g)

@@ -204,11 +204,12 @@ TEST_F(FrameErrorTest, aLaxTargetTakesLessFromTheNextFrameOn)
 
 TEST_F(FrameErrorTest, aTargetThatCannotBeMet)
 {
+  // The fewest samples that come about as close as the most.
   mapper_->SetTargetError(1e-12);
-  const Pixels pixels = scene_.render();
-  EXPECT_EQ(samples(), 64.);
+  EXPECT_LE(rmse(scene_.render(), converged()), 0.5 / 255.);
+  EXPECT_GT(samples(), 8.);
   EXPECT_GT(estimated(), 1e-12);
-  EXPECT_EQ(pixels, converged());
+  EXPECT_LT(estimated(), 1e-4);
 }
 
 TEST_F(PeeledFrameErrorTest, estimateOfParts)
