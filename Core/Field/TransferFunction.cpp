@@ -124,6 +124,25 @@ TransferFunction TransferFunction::ofCategories(std::vector<Entry> entries)
   return result;
 }
 
+TransferFunction TransferFunction::withExtinction(float extinction) const
+{
+  if (!nodes_.empty())
+  {
+    std::vector<Node> nodes = nodes_;
+    for (Node& node : nodes)
+    {
+      node.below.extinction = node.above.extinction = extinction;
+    }
+    return ofNodes(std::move(nodes));
+  }
+  std::vector<Entry> entries = entries_;
+  for (Entry& entry : entries)
+  {
+    entry.extinction = extinction;
+  }
+  return TransferFunction(min_, scale_ > 0. ? min_ + last_ / scale_ : min_, std::move(entries));
+}
+
 float TransferFunction::extinctionFromOpacity(double opacity, double unitDistance) noexcept
 {
   if (!(opacity > 0.))

@@ -43,6 +43,9 @@ public:
   /// Whole numbers that floats, the values of fields, can count.
   static constexpr std::size_t mostCategories = std::size_t(1) << 24;
 
+  /// The same colours, of one extinction everywhere. Not for categories.
+  TransferFunction withExtinction(float extinction) const;
+
   /// Opaque over any step, yet finite, so that interpolation beside it makes no NaN.
   static constexpr double opaqueExtinction = 1e30;
   /// Extinction per world length of a volume whose opacity over `unitDistance` is `opacity`.

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -19,6 +20,9 @@ namespace treeamr
 
 namespace
 {
+
+constexpr const char* colorsOfCategories =
+  "volume: categories, and colours by another field: allowed is one of both";
 
 void check(const Camera& camera, const Image& image)
 {
@@ -164,6 +168,15 @@ Volume::Volume(std::shared_ptr<const Field> field, TransferFunction transferFunc
   check(*field_, transferFunction_);
 }
 
+/// Another field that colours.
+struct Volume::Colors
+{
+  std::shared_ptr<const Field> field;
+  TransferFunction function; // of extinction 1: the kernel's tables have the colours of what is seen
+  std::unique_ptr<VolumeTable> table{};
+  std::unique_ptr<BlockCache> kept{};
+};
+
 Volume::~Volume() = default;
 Volume::Volume(Volume&&) noexcept = default;
 Volume& Volume::operator=(Volume&&) noexcept = default;
@@ -171,38 +184,69 @@ Volume& Volume::operator=(Volume&&) noexcept = default;
 void Volume::setTransferFunction(TransferFunction transferFunction)
 {
   check(*field_, transferFunction);
+  if (colors_ && transferFunction.hasCategories())
+  {
+    throw Error(colorsOfCategories);
+  }
   transferFunction_ = std::move(transferFunction);
   table_ = nullptr;
+}
+
+void Volume::setColors(std::shared_ptr<const Field> field, const TransferFunction& colors)
+{
+  std::unique_ptr<Colors> made;
+  if (field)
+  {
+    if (field->sharedOctree() != field_->sharedOctree())
+    {
+      throw Error("volume: colours of a field in another octree");
+    }
+    if (colors.hasCategories() || transferFunction_.hasCategories())
+    {
+      throw Error(colorsOfCategories);
+    }
+    const bool isSame = colors_ && colors_->field == field;
+    made = std::make_unique<Colors>(std::move(field), colors.withExtinction(1.f));
+    made->kept = isSame ? std::move(colors_->kept) : nullptr; // a new function changes no values
+  }
+  colors_ = std::move(made);
 }
 
 void Volume::setKeptBytes(std::size_t bytes)
 {
   if (bytes != budget_)
   {
-    kept_ = nullptr;
-    keptGradients_ = nullptr;
+    forgetKept();
     budget_ = bytes;
   }
 }
 
 std::size_t Volume::keptBytes() const noexcept
 {
-  return (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0);
+  return (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0) +
+    (colors_ && colors_->kept ? colors_->kept->byteSize() : 0);
 }
 
-/// Gradients take their part of the budget while frames are lit, and nothing else.
-void Volume::prepareMemory(bool withGradients, bool withMeans)
+/// Gradients and colours take their parts of the budget while frames use them, and nothing else.
+void Volume::prepareMemory(bool withGradients, bool withColors, bool withMeans)
 {
-  constexpr double partOfGradients =
-    static_cast<double>(GradientCache::blockBytes) / (GradientCache::blockBytes + BlockCache::blockBytes);
-  if (!kept_ || withGradients != static_cast<bool>(keptGradients_))
+  const std::array<std::size_t, 3> shares{ BlockCache::blockBytes,
+    withGradients ? GradientCache::blockBytes : 0, withColors ? BlockCache::blockBytes : 0 };
+  const auto bytesOf = [&](std::size_t share) {
+    const std::size_t all = std::accumulate(shares.begin(), shares.end(), std::size_t(0));
+    return static_cast<std::size_t>(
+      static_cast<double>(share) / static_cast<double>(all) * static_cast<double>(budget_));
+  };
+  if (!kept_ || shares != shares_)
   {
-    const auto ofGradients =
-      withGradients ? static_cast<std::size_t>(partOfGradients * static_cast<double>(budget_)) : 0;
-    kept_ = nullptr; // the old ones' memory first
-    keptGradients_ = nullptr;
-    kept_ = std::make_unique<BlockCache>(*field_, budget_ - ofGradients);
-    keptGradients_ = withGradients ? std::make_unique<GradientCache>(*field_, ofGradients) : nullptr;
+    forgetKept(); // the old ones' memory first
+    kept_ = std::make_unique<BlockCache>(*field_, bytesOf(shares[0]));
+    keptGradients_ = withGradients ? std::make_unique<GradientCache>(*field_, bytesOf(shares[1])) : nullptr;
+    shares_ = shares;
+  }
+  if (withColors && !colors_->kept)
+  {
+    colors_->kept = std::make_unique<BlockCache>(*colors_->field, bytesOf(shares[2]));
   }
   if (withMeans)
   {
@@ -211,6 +255,20 @@ void Volume::prepareMemory(bool withGradients, bool withMeans)
     {
       keptGradients_->prepareMeans();
     }
+    if (withColors)
+    {
+      colors_->kept->prepareMeans();
+    }
+  }
+}
+
+void Volume::forgetKept() noexcept
+{
+  kept_ = nullptr;
+  keptGradients_ = nullptr;
+  if (colors_)
+  {
+    colors_->kept = nullptr;
   }
 }
 
@@ -224,10 +282,21 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
     table_ = std::make_unique<VolumeTable>(*field_, transferFunction_, worldMagnitude);
   }
   const bool hasCategories = transferFunction_.hasCategories();
-  prepareMemory(volumeLoop(settings, hasCategories) == VolumeLoop::Lit,
-    settings.levelOfDetailPixels > 0. && !hasCategories);
+  const bool withColors = colors_ && settings.blend == VolumeBlend::Composite;
+  prepareMemory(
+    usesGradients(settings, hasCategories), withColors, settings.levelOfDetailPixels > 0. && !hasCategories);
   VolumeKernelScene scene(
     *field_, transferFunction_, *table_, view, settings, *kept_, keptGradients_.get(), image);
+  if (withColors)
+  {
+    if (!colors_->table)
+    {
+      colors_->table = std::make_unique<VolumeTable>(*colors_->field, colors_->function, 0);
+      colors_->table->integrate(colors_->function);
+    }
+    scene.colorBy(std::make_shared<const VolumeKernelScene>(
+      *colors_->field, colors_->function, *colors_->table, view, settings, *colors_->kept, nullptr, nullptr));
+  }
   if (scene.features.preIntegration)
   {
     table_->integrate(transferFunction_);
@@ -255,6 +324,10 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
   if (keptGradients_)
   {
     keptGradients_->endFrame(all.keptGradients, all.gradients);
+  }
+  if (scene.colors)
+  {
+    colors_->kept->endFrame(all.keptColors, all.colors);
   }
   return all;
 }

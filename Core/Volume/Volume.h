@@ -8,6 +8,7 @@
 #include "MemoryBudget.h"
 #include "Volume/VolumeSettings.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -48,6 +49,13 @@ public:
   /// Throws Error, and keeps the one before, when a value of the field is none of its categories.
   void setTransferFunction(TransferFunction transferFunction);
 
+  /// Colours by another field, in the octree of the first: of the transfer function extinctions alone count then, of
+  /// `colors` the colours, over its field's values less their offset. Null: none. Where blends other than composite
+  /// are asked for, which show values, colours have no part. Throws Error, and keeps what was there, for a field of
+  /// another octree and for categories in either function.
+  void setColors(std::shared_ptr<const Field> field, const TransferFunction& colors);
+  bool hasColors() const noexcept { return static_cast<bool>(colors_); }
+
   /// Forgets the vertex values, unless these are the bytes that it was given before.
   void setKeptBytes(std::size_t bytes);
   /// That vertex values take.
@@ -71,15 +79,20 @@ public:
     const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
 
 private:
-  void prepareMemory(bool withGradients, bool withMeans);
+  struct Colors;
+
+  void prepareMemory(bool withGradients, bool withColors, bool withMeans);
+  void forgetKept() noexcept;
   VolumeKernelScene makeScene(const RayView& view, const VolumeSettings& settings, Image* image);
 
   std::shared_ptr<const Field> field_;
   TransferFunction transferFunction_;
   std::unique_ptr<VolumeTable> table_;           // of the last frame; null: of another function
   std::size_t budget_;                           // of bytes
+  std::array<std::size_t, 3> shares_{};          // that what is kept has in them
   std::unique_ptr<BlockCache> kept_;             // null: no frame has been rendered
   std::unique_ptr<GradientCache> keptGradients_; // null: the last frame was not lit
+  std::unique_ptr<Colors> colors_;               // null: the transfer function's
 };
 
 } // namespace treeamr

@@ -88,6 +88,8 @@ struct VolumeStatistics
   std::uint64_t cells = 0;         // leaves in these
   std::uint64_t keptGradients = 0; // blocks whose vertex gradients were found
   std::uint64_t gradients = 0;     // that were computed
+  std::uint64_t keptColors = 0;    // blocks of a field that colours whose vertex values were found
+  std::uint64_t colors = 0;        // that were computed
   std::uint64_t intervals = 0;     // vectors of rays taken through a leaf or block
   std::uint64_t steps = 0;         // of these vectors
   std::uint64_t litSteps = 0;      // that were not transparent for all of their rays
@@ -102,6 +104,8 @@ struct VolumeStatistics
     cells += other.cells;
     keptGradients += other.keptGradients;
     gradients += other.gradients;
+    keptColors += other.keptColors;
+    colors += other.colors;
     intervals += other.intervals;
     steps += other.steps;
     litSteps += other.litSteps;

@@ -133,8 +133,9 @@ class TileRenderer
 {
 public:
   TileRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const RayStops& stops, const VolumeSettings& settings, bool converged)
-    : field_(field)
+    const RayStops& stops, const VolumeSettings& settings, bool converged, const ReferenceColors* colors)
+    : colors_(colors)
+    , field_(field)
     , transferFunction_(transferFunction)
     , camera_(camera)
     , stops_(stops)
@@ -424,6 +425,12 @@ private:
       return;
     }
     const LeafField leafField(values, range);
+    VertexValues colorValues;
+    if (colors_)
+    {
+      colorValues = vertexValues<VertexRule::GTI>(path_, colors_->field, colorMemo_);
+      color_.emplace(colorValues, hull(colorValues));
+    }
     if (isLit_)
     {
       gradient_.emplace(path_, evaluator_);
@@ -516,6 +523,13 @@ private:
         continue;
       }
       std::array<double, 3> color{ e.r, e.g, e.b };
+      if (color_)
+      {
+        const TransferFunction::Entry own =
+          colors_->function.at(static_cast<float>((*color_)({ position[0] + f * perLength[0],
+            position[1] + f * perLength[1], position[2] + f * perLength[2] })));
+        color = { own.r, own.g, own.b };
+      }
       double extinction = e.extinction;
       if (isLit_)
       {
@@ -580,6 +594,9 @@ private:
     }
   }
 
+  const ReferenceColors* colors_;
+  VertexMemo colorMemo_;
+  std::optional<LeafField> color_; // of the leaf
   const Field& field_;
   const TransferFunction& transferFunction_;
   const Camera& camera_;
@@ -599,13 +616,14 @@ private:
 };
 
 VolumeStatistics render(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-  const RayStops& stops, const VolumeSettings& settings, bool converged, Image& image)
+  const RayStops& stops, const VolumeSettings& settings, bool converged, const ReferenceColors* colors,
+  Image& image)
 {
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + tileWidth - 1) / tileWidth;
   const int columns = (image.width + tileWidth - 1) / tileWidth;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 8), [&](const auto& tiles) {
-    TileRenderer renderer(field, transferFunction, camera, stops, settings, converged);
+    TileRenderer renderer(field, transferFunction, camera, stops, settings, converged, colors);
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
       for (int column = tiles.cols().begin(); column < tiles.cols().end(); ++column)
@@ -621,15 +639,16 @@ VolumeStatistics render(const Field& field, const TransferFunction& transferFunc
 } // namespace
 
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image)
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image,
+  const ReferenceColors* colors)
 {
-  return render(field, transferFunction, camera, stops, settings, false, image);
+  return render(field, transferFunction, camera, stops, settings, false, colors, image);
 }
 
 void renderVolumeConverged(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const RayStops& stops, Image& image)
 {
-  render(field, transferFunction, camera, stops, { .leastTransmittance = 0x1p-20f }, true, image);
+  render(field, transferFunction, camera, stops, { .leastTransmittance = 0x1p-20f }, true, nullptr, image);
 }
 
 } // namespace treeamr::test

@@ -7,9 +7,17 @@
 namespace treeamr::test
 {
 
+/// As Volume::setColors() has them.
+struct ReferenceColors
+{
+  const Field& field;
+  const TransferFunction& function;
+};
+
 /// Like Volume::render(), for arguments that it would take, with as many point samples in every leaf as asked for.
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
-  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image);
+  const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image,
+  const ReferenceColors* colors = nullptr);
 
 /// The picture itself: octant by octant in steps that are cut until the field is all but a line in them, whatever the
 /// function does there, and light is integrated over all of that, one part after the other.

@@ -50,7 +50,7 @@ constexpr bool samplesValues(VolumeLoop loop)
 template <VolumeLoop Loop>
 HWY_INLINE bool isWanted(const VolumeKernelScene& scene, const Range& range)
 {
-  if constexpr (Loop == VolumeLoop::Extreme)
+  if constexpr (Loop == VolumeLoop::Extreme || Loop == VolumeLoop::Colors)
   {
     return true;
   }
@@ -211,11 +211,12 @@ private:
     const double lit =
       Loop == VolumeLoop::Lit ? variation + table.entries[firstEntry].extinction * std::numbers::ln2 : 0.;
     block.variation = static_cast<Real>(variation + lit);
-    block.preIntegrate = scene_.features.preIntegration &&
-      (table.rough[lastEntry] > table.rough[firstEntry] || isFlat(width * scale) ||
-        !pointsSuffice(scene_,
-          { variation, table.curvature[lastEntry] - table.curvature[firstEntry], width * scale + 1. },
-          leafWidth));
+    block.preIntegrate = Loop == VolumeLoop::Colors ||
+      (scene_.features.preIntegration &&
+        (table.rough[lastEntry] > table.rough[firstEntry] || isFlat(width * scale) ||
+          !pointsSuffice(scene_,
+            { variation, table.curvature[lastEntry] - table.curvature[firstEntry], width * scale + 1. },
+            leafWidth)));
     if (block.preIntegrate)
     {
       classifyByIntegrals(range, block);

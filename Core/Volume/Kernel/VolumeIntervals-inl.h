@@ -33,12 +33,18 @@ template <class Real>
 class LightOnRays;
 template <class Real>
 class GradientSource;
+template <class Real>
+class ColorSource;
 template <class Real, VolumeLoop Loop>
 class RayBlends;
 /// Of all others.
 struct Nothing
 {
   explicit Nothing(const VolumeKernelScene& /*scene*/) {}
+};
+struct NoColors : Nothing // empty members of one type would not share their place
+{
+  using Nothing::Nothing;
 };
 
 /// See TileRays.
@@ -56,6 +62,7 @@ public:
   explicit TileIntervals(const VolumeKernelScene& scene)
     : Rays(scene)
     , gradients_(scene)
+    , colors_(scene)
     , blends_(scene)
     , scene_(scene)
     , table_(&scene.table.entries.data()->r)
@@ -135,6 +142,7 @@ public:
   }
 
   [[no_unique_address]] std::conditional_t<isLit, GradientSource<Real>, Nothing> gradients_;
+  [[no_unique_address]] std::conditional_t<isLit, ColorSource<Real>, NoColors> colors_;
   std::conditional_t<isComposite, Nothing, RayBlends<Real, Loop>> blends_;
   VolumeStatistics statistics_;
 
@@ -361,7 +369,7 @@ protected:
         direction[a] = hn::Load(d, direction_[a] + ray);
         start[a] = mulAdd(begin, direction[a], hn::Load(d, origin_[a] + ray));
       }
-      return LightOnRays<Real>(*scene_.illumination, gradients_.block(), start, direction);
+      return LightOnRays<Real>(*scene_.illumination, gradients_.block(), colors_.block(), start, direction);
     }
     else
     {

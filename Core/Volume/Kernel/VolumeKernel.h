@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,13 +20,16 @@ namespace treeamr
 enum class VolumeLoop
 {
   Plain,   // composite, of the transfer function alone
-  Lit,     // composite, with light or gradient opacity
+  Lit,     // composite, with light, gradient opacity or colours by another field
   Extreme, // maximum or minimum
-  Sum      // average or additive
+  Sum,     // average or additive
+  Colors   // none of its own: of blocks whose field colours a lit loop, by rows of its table's integrals
 };
 
 /// That settings ask for, of a field of categories or not.
 VolumeLoop volumeLoop(const VolumeSettings& settings, bool hasCategories) noexcept;
+/// Whether frames of these settings need the field's gradients.
+bool usesGradients(const VolumeSettings& settings, bool hasCategories) noexcept;
 
 /// What a frame needs beyond the common case, chosen once: what is absent costs nothing.
 struct SceneFeatures
@@ -61,6 +65,7 @@ struct VolumeIllumination
 {
   VolumeIllumination(const VolumeSettings& settings, const VolumeKernelScene& scene);
 
+  bool usesGradients;
   bool shades;
   bool twoSided = true;
   bool shines = false;      // has highlights
@@ -87,10 +92,13 @@ private:
 /// digits.
 struct VolumeKernelScene
 {
-  /// Refers to all of these. The table's integrals are wanted when the features tell so. gradients: of lit loops.
+  /// Refers to all of these. The table's integrals are wanted when the features tell so. gradients: where they are used.
   VolumeKernelScene(const Field& field, const TransferFunction& transferFunction, const VolumeTable& table,
     const RayView& view, const VolumeSettings& settings, BlockCache& kept, GradientCache* gradients,
     Image* image);
+
+  /// other: of the same view and octree, its table with integrals.
+  void colorBy(std::shared_ptr<const VolumeKernelScene> other);
 
   const Field& field;
   const TransferFunction& transferFunction;
@@ -99,7 +107,7 @@ struct VolumeKernelScene
   const RayStops& stops;
   const VolumeSettings& settings;
   BlockCache& kept;
-  GradientCache* gradients; // null: nothing is lit
+  GradientCache* gradients; // null: none are used
   Image* image;             // null: only groups of pixels are rendered
   const NodeRanges* ranges; // null: nothing is skipped
 
@@ -113,7 +121,8 @@ struct VolumeKernelScene
   /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
   double pixelWidth;
   double pixelGrowth;
-  std::optional<VolumeIllumination> illumination; // of lit loops
+  std::optional<VolumeIllumination> illumination;  // of lit loops
+  std::shared_ptr<const VolumeKernelScene> colors; // of lit loops; null: the transfer function's
   /// Of the loops that sample values themselves: their places are (value - placeOrigin) * perValue, 0 to 1 in the
   /// field's range, in that of a minimum from the largest value to the smallest.
   double placeOrigin;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace treeamr
 {
@@ -19,13 +20,19 @@ VolumeLoop volumeLoop(const VolumeSettings& settings, bool hasCategories) noexce
     case VolumeBlend::Additive:
       return VolumeLoop::Sum;
     default:
-      return !hasCategories && (settings.shading || settings.gradientOpacity) ? VolumeLoop::Lit
-                                                                              : VolumeLoop::Plain;
+      return usesGradients(settings, hasCategories) ? VolumeLoop::Lit : VolumeLoop::Plain;
   }
 }
 
+bool usesGradients(const VolumeSettings& settings, bool hasCategories) noexcept
+{
+  return settings.blend == VolumeBlend::Composite && !hasCategories &&
+    (settings.shading || settings.gradientOpacity);
+}
+
 VolumeIllumination::VolumeIllumination(const VolumeSettings& settings, const VolumeKernelScene& scene)
-  : shades(settings.shading.has_value())
+  : usesGradients(scene.gradients)
+  , shades(settings.shading.has_value())
   , gradientOpacity(nullptr)
 {
   if (settings.gradientOpacity)
@@ -158,7 +165,7 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   const bool isMinimum = settings.blend == VolumeBlend::Minimum;
   placeOrigin = isMinimum ? field.range().max : field.range().min;
   perValue = width > 0. ? (isMinimum ? -1. : 1.) / width : 0.;
-  if (features.loop == VolumeLoop::Lit)
+  if (gradients)
   {
     illumination.emplace(settings, *this);
   }
@@ -169,6 +176,17 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
       std::max<double>(table.last, width * transferFunction.scale() * table.perEntry) };
     features.preIntegration = !transferFunction.nodes().empty() || table.rough.back() > 0 ||
       !pointsSuffice(*this, all, relativeLeafWidth(field.octree().grid(), 0));
+  }
+}
+
+void VolumeKernelScene::colorBy(std::shared_ptr<const VolumeKernelScene> other)
+{
+  colors = std::move(other);
+  features.loop = VolumeLoop::Lit;
+  features.doubles = features.doubles || colors->features.doubles;
+  if (!illumination)
+  {
+    illumination.emplace(settings, *this);
   }
 }
 

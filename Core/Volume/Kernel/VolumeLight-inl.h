@@ -1,5 +1,5 @@
-// The light stage of the volume kernel: what the field's gradient at a sample does to its colour and its extinction.
-// Compiled once for each instruction set, as Highway wants it.
+// The light stage of the volume kernel: what the field's gradient at a sample does to its colour and its extinction,
+// and the colour that another field gives it. Compiled once for each instruction set, as Highway wants it.
 //
 // Shading is VTK's: Phong's model with the gradient as normal, on both sides of a level of the field. Normals are
 // interpolated in the octant from vertex gradients, as values are: both are continuous across levels.
@@ -11,6 +11,8 @@
 #endif
 
 #include "Interpolation/GradientCache.h"
+#include "Volume/Kernel/VolumeBlocks-inl.h"
+#include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
 
@@ -108,10 +110,19 @@ struct GradientBlock
   Real stepLength = 0;
 };
 
-/// What the gradient at samples does.
+/// The vertex values of a block of the field that colours.
+template <class Real>
+struct ColorBlock
+{
+  const IntegralTable* table = nullptr; // of constant extinction; null: nothing colours
+  Block<Real> block{};
+};
+
+/// What the gradient at samples does, and what colours them.
 template <class Real>
 struct LightEffect
 {
+  Reals<Real> color[3];
   Reals<Real> opacity; // times the extinction
   Reals<Real> times[3];
   Reals<Real> plus[3];
@@ -127,8 +138,9 @@ public:
 
   /// start: of the rays, in kernel coordinates.
   HWY_INLINE LightOnRays(const VolumeIllumination& scene, const GradientBlock<Real>& gradients,
-    const Reals3<Real>& start, const Reals3<Real>& direction)
+    const ColorBlock<Real>& colors, const Reals3<Real>& start, const Reals3<Real>& direction)
     : scene_(scene)
+    , colors_(colors)
     , gradients_{ typename GradientBlock<Real>::Values{ gradients.steps[0] },
       typename GradientBlock<Real>::Values{ gradients.steps[1] },
       typename GradientBlock<Real>::Values{ gradients.steps[2] } }
@@ -159,6 +171,16 @@ public:
   HWY_INLINE Effect at(const Spot<Real>& spot, Reals<Real> along) const
   {
     const RealTag<Real> d;
+    Effect effect;
+    effect.opacity = hn::Set(d, Real(1));
+    if (colors_.table)
+    {
+      this->color(spot, effect);
+    }
+    if (!scene_.usesGradients)
+    {
+      return effect;
+    }
     Reals<Real> gradient[3];
     for (int a = 0; a < 3; ++a)
     {
@@ -167,8 +189,6 @@ public:
       gradients_[a].pairs(spot.vertex, lower, upper);
       gradient[a] = hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
     }
-    Effect effect;
-    effect.opacity = hn::Set(d, Real(1));
     if (scene_.gradientOpacity)
     {
       const Reals<Real> length = hn::Sqrt(dotted<Real>(gradient, gradient));
@@ -191,6 +211,10 @@ public:
   /// Colours, which have been multiplied by `whole`.
   HWY_INLINE void shade(const Effect& effect, Reals<Real> whole, Reals3<Real>& color) const
   {
+    for (int c = 0; c < 3 && colors_.table; ++c)
+    {
+      color[c] = hn::Mul(effect.color[c], whole);
+    }
     if (scene_.shades)
     {
       for (int c = 0; c < 3; ++c)
@@ -202,6 +226,32 @@ public:
   }
 
 private:
+  HWY_INLINE void color(const Spot<Real>& spot, Effect& effect) const
+  {
+    const Block<Real>& block = colors_.block;
+    Reals<Real> lower[4];
+    Reals<Real> upper[4];
+    bool isExact = true;
+    if constexpr (Block<Real>::samplesSteps)
+    {
+      isExact = block.exact;
+      if (!isExact)
+      {
+        QuantisedValues{ block.steps }.pairs(spot.vertex, lower, upper);
+      }
+    }
+    if (isExact)
+    {
+      ExactValues<Real>{ block.exact }.pairs(spot.vertex, lower, upper);
+    }
+    const Places<Real> places =
+      findPlaces<Real>(*colors_.table, inTable<Real>(block.toTable, between<Real>(spot.f, lower, upper)));
+    for (int c = 0; c < 3; ++c)
+    {
+      effect.color[c] = hn::Div(places.term[c], places.term[3]);
+    }
+  }
+
   /// Shines on a unit normal.
   HWY_INLINE void reflect(const Reals3<Real>& gradient, Reals<Real> along, Effect& effect) const
   {
@@ -299,6 +349,7 @@ private:
   }
 
   const VolumeIllumination& scene_;
+  const ColorBlock<Real>& colors_;
   typename GradientBlock<Real>::Values gradients_[3];
   Real stepLength_;
   Reals<Real> start_[3]; // in the lights' coordinates
@@ -321,6 +372,10 @@ public:
   /// hides all of them.
   bool prepare(const BlockPath& path, BlockCells cells)
   {
+    if (!scene_.gradients)
+    {
+      return true;
+    }
     const std::uint64_t node = path.node[path.depth];
     const BlockGradientRecord* record = scene_.gradients->find(node, cells);
     if (record)
@@ -399,6 +454,52 @@ private:
   std::conditional_t<std::is_same_v<Real, float>, char, Real[3][128]> exact_;
   std::uint64_t kept_ = 0;
   std::uint64_t blocks_ = 0;
+};
+
+/// Where blocks have their colours from, for one thread.
+template <class Real>
+class ColorSource
+{
+public:
+  explicit ColorSource(const VolumeKernelScene& scene)
+  {
+    if (scene.colors)
+    {
+      scene_ = scene.colors.get();
+      values_.emplace(*scene_);
+      block_.table = scene_->table.integrals.get();
+    }
+  }
+
+  /// Finds the values of the children of the path's node, or computes and keeps them.
+  void prepare(const BlockPath& path, BlockCells cells, double leafWidth)
+  {
+    if (values_)
+    {
+      values_->prepare(path, cells, leafWidth, block_.block);
+    }
+  }
+  /// Of a leaf that is the whole tree, its value at the centre.
+  void useLeaf(std::uint64_t leaf)
+  {
+    if (values_)
+    {
+      const double place = block_.table->placeOf(scene_->field.leafValues()[leaf]);
+      block_.block = values_->constant(static_cast<Real>(place), 0, true);
+    }
+  }
+  bool hasCorners() const noexcept { return values_ && scene_->field.corners(); }
+
+  const ColorBlock<Real>& block() const noexcept { return block_; }
+  VolumeStatistics statistics() const noexcept
+  {
+    return values_ ? values_->statistics() : VolumeStatistics();
+  }
+
+private:
+  const VolumeKernelScene* scene_ = nullptr;
+  std::optional<BlockSource<Real, VolumeLoop::Colors>> values_;
+  ColorBlock<Real> block_;
 };
 
 } // namespace HWY_NAMESPACE

@@ -109,12 +109,15 @@ public:
     {
       statistics.keptGradients = gradients_.kept();
       statistics.gradients = gradients_.computed();
+      statistics.keptColors = colors_.statistics().kept;
+      statistics.colors = colors_.statistics().blocks;
     }
     return statistics;
   }
 
 private:
   using Intervals::blends_;
+  using Intervals::colors_;
   using Intervals::gradients_;
   using Intervals::integrate;
   using Intervals::isComposite;
@@ -257,7 +260,7 @@ private:
             wanted &= ~children.leaf;
             continue;
           }
-          if (!prepareGradients(BlockCells::Leaves))
+          if (!prepareEffects(BlockCells::Leaves, childBox.max[0] - childBox.min[0]))
           {
             wanted &= ~children.leaf;
             continue;
@@ -299,12 +302,16 @@ private:
     return order;
   }
 
-  /// False when nothing is visible by them.
-  bool prepareGradients([[maybe_unused]] BlockCells cells)
+  /// Gradients and colours; false when nothing is visible by them.
+  bool prepareEffects([[maybe_unused]] BlockCells cells, [[maybe_unused]] double leafWidth)
   {
     if constexpr (isLit)
     {
-      return gradients_.prepare(path_, cells);
+      if (!gradients_.prepare(path_, cells))
+      {
+        return false;
+      }
+      colors_.prepare(path_, cells, leafWidth);
     }
     return true;
   }
@@ -341,7 +348,10 @@ private:
       scene_.kept.prefetchSlot(children.firstInner, BlockCells::Leaves);
       if constexpr (isLit)
       {
-        scene_.gradients->prefetchSlot(children.firstInner, BlockCells::Leaves);
+        if (scene_.gradients)
+        {
+          scene_.gradients->prefetchSlot(children.firstInner, BlockCells::Leaves);
+        }
       }
     }
   }
@@ -364,7 +374,10 @@ private:
         scene_.kept.prefetchRecord(child, BlockCells::Leaves);
         if constexpr (isLit)
         {
-          scene_.gradients->prefetchRecord(child, BlockCells::Leaves);
+          if (scene_.gradients)
+          {
+            scene_.gradients->prefetchRecord(child, BlockCells::Leaves);
+          }
         }
       }
       if (below.inner() != 0 && scene_.ranges)
@@ -404,7 +417,8 @@ private:
   void visitBlock(BlockCells cells, const Box<Real>& box, GroupMask active)
   {
     Block<Real> block;
-    if (blocks_.prepare(path_, cells, 0.5 * (box.max[0] - box.min[0]), block) && prepareGradients(cells))
+    const double leafWidth = 0.5 * (box.max[0] - box.min[0]);
+    if (blocks_.prepare(path_, cells, leafWidth, block) && prepareEffects(cells, leafWidth))
     {
       integrate(block, box, Lattice<Real>(box), active);
     }
@@ -420,8 +434,9 @@ private:
     if (scene_.field.corners() && !scene_.features.categories)
     {
       Block<Real> block;
-      if (blocks_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0], block) &&
-        prepareGradients(BlockCells::Leaves))
+      const double leafWidth = box.max[0] - box.min[0];
+      if (blocks_.prepare(path_, BlockCells::Leaves, leafWidth, block) &&
+        prepareEffects(BlockCells::Leaves, leafWidth))
       {
         integrate(block, box, Lattice<Real>(box, 0), active);
       }
@@ -432,12 +447,8 @@ private:
       integrateConstant(0, box, active);
       return;
     }
-    if constexpr (isLit)
-    {
-      gradients_.useNone();
-    }
     const double place = scene_.table.integrals->placeOf(scene_.field.leafValues()[0]);
-    integrate(blocks_.constant(static_cast<Real>(place), 0, true), box, Lattice<Real>(box), active);
+    integrateConstant(0, blocks_.constant(static_cast<Real>(place), 0, true), box, active);
   }
 
   /// Whether a leaf of a category is transparent and such ones are left out.
@@ -451,11 +462,24 @@ private:
   void integrateConstant(std::uint64_t leaf, const Box<Real>& box, GroupMask active)
   {
     const Real place = blocks_.placeOf(scene_.field.leafValues()[leaf]);
+    integrateConstant(leaf, blocks_.constant(place, 0), box, active);
+  }
+
+  void integrateConstant(
+    [[maybe_unused]] std::uint64_t leaf, const Block<Real>& block, const Box<Real>& box, GroupMask active)
+  {
     if constexpr (isLit)
     {
       gradients_.useNone();
+      if (colors_.hasCorners())
+      {
+        colors_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0]);
+        integrate(block, box, Lattice<Real>(box, 0), active);
+        return;
+      }
+      colors_.useLeaf(leaf);
     }
-    integrate(blocks_.constant(place, 0), box, Lattice<Real>(box), active);
+    integrate(block, box, Lattice<Real>(box), active);
   }
 
   const VolumeKernelScene& scene_;
