@@ -140,6 +140,7 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   this->Mapper->SetVectorMode(
     component ? vtkTreeAMRVolumeMapper::COMPONENT : vtkTreeAMRVolumeMapper::MAGNITUDE);
   this->Mapper->SetVectorComponent(component ? colors->GetVectorComponent() : 0);
+  this->Mapper->SetOpacityArrayName(this->UsesOpacityArray ? this->OpacityArray.c_str() : "");
   double planes[6];
   for (int i = 0; i < 6; ++i)
   {
@@ -158,6 +159,13 @@ void vtkTreeAMRVolumeRepresentation::SetColor(vtkColorTransferFunction* colors)
 void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opacities)
 {
   this->ScalarOpacity = opacities;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SelectOpacityArray(int vtkNotUsed(index), int vtkNotUsed(port),
+  int vtkNotUsed(connection), int vtkNotUsed(association), const char* name)
+{
+  this->OpacityArray = name ? name : "";
 }
 
 //------------------------------------------------------------------------------

@@ -58,6 +58,13 @@ public:
   void SetSpecular(double coefficient) { this->Property->SetSpecular(coefficient); }
   void SetSpecularPower(double power) { this->Property->SetSpecularPower(power); }
   ///@}
+  ///@{
+  /// As ParaView's Volume: opacity by another array than the one that colours. component: that of the array, -1 for the
+  /// magnitude.
+  void SetUseSeparateOpacityArray(bool use) { this->UsesOpacityArray = use; }
+  void SelectOpacityArray(int index, int port, int connection, int association, const char* name);
+  void SelectOpacityArrayComponent(int component) { this->Mapper->SetOpacityComponent(component); }
+  ///@}
   /// Samples along each cell's width.
   void SetSamplesPerCell(double samples) { this->Mapper->SetSamplesPerCell(samples); }
   ///@{
@@ -111,6 +118,8 @@ private:
 
   bool HasSurfaces();
 
+  bool UsesOpacityArray = false;
+  std::string OpacityArray;
   double CroppingOrigin[3] = { 0., 0., 0. };
   double CroppingScale[3] = { 1., 1., 1. };
   double DataBounds[6] = { 0., 0., 0., 0., 0., 0. }; // of all ranks' grids

@@ -87,7 +87,9 @@ struct vtkTreeAMRVolumeMapper::Internals
   treeamr::BoundsSlot BoundsSlot;
   treeamr::MapperMessages Messages; // of a call of Render()
 
-  std::shared_ptr<const treeamr::Field> Field;           // that rays see
+  std::shared_ptr<const treeamr::Field> Field; // that rays see
+  treeamr::FieldSlot OpacitySlot;
+  std::shared_ptr<const treeamr::Field> OpacityField;    // that makes them opaque then; null: the same
   std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
   vtkTimeStamp FieldTime;
   double FieldSeconds = 0.;

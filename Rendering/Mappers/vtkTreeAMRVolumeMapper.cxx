@@ -9,7 +9,9 @@
 #include "Error.h"
 #include "MemoryBudget.h"
 
+#include "vtkCellData.h"
 #include "vtkContourValues.h"
+#include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
@@ -64,6 +66,8 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "VectorMode: " << this->VectorMode << endl;
   os << indent << "VectorComponent: " << this->VectorComponent << endl;
+  os << indent << "OpacityArrayName: " << this->OpacityArrayName << endl;
+  os << indent << "OpacityComponent: " << this->OpacityComponent << endl;
   os << indent << "SamplesPerCell: " << this->SamplesPerCell << endl;
   os << indent << "SkipEmptySpace: " << this->SkipEmptySpace << endl;
   os << indent << "VertexCacheSize: " << this->VertexCacheSize << endl;
@@ -137,6 +141,8 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     treeamr::shareInput(this, other);
     this->SetVectorMode(other->VectorMode);
     this->SetVectorComponent(other->VectorComponent);
+    this->SetOpacityArrayName(other->OpacityArrayName.c_str());
+    this->SetOpacityComponent(other->OpacityComponent);
     this->SetSamplesPerCell(other->SamplesPerCell);
     this->SetVertexCacheSize(other->VertexCacheSize);
     this->SetSkipEmptySpace(other->SkipEmptySpace);
@@ -154,6 +160,17 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetAmbientOcclusionSamples(other->AmbientOcclusionSamples);
     this->SetAmbientOcclusionRadius(other->AmbientOcclusionRadius);
     this->SetShadows(other->Shadows);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetOpacityArrayName(const char* name)
+{
+  const std::string wanted = name ? name : "";
+  if (wanted != this->OpacityArrayName)
+  {
+    this->OpacityArrayName = wanted;
+    this->Modified();
   }
 }
 
@@ -255,7 +272,44 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 {
   const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
   const bool hasCategories = this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty());
-  this->Private->Messages.unsupported(treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces));
+  treeamr::SettingNames names =
+    treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces, this->HasPairs(volume));
+  if (!this->OpacityArrayName.empty() && this->ShowsVolume() && !this->SelectOpacity(volume))
+  {
+    names.emplace_back(
+      hasCategories ? "OpacityArrayName of categories" : "OpacityArrayName with a BlendMode of values");
+  }
+  this->Private->Messages.unsupported(names);
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::HasPairs(vtkVolume* volume)
+{
+  vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
+  if (volume->GetProperty()->GetIndependentComponents() || !grid)
+  {
+    return false;
+  }
+  vtkDataArray* array = grid->GetCellData()->GetArray(this->SelectArray().name.c_str());
+  return array && array->GetNumberOfComponents() == 2;
+}
+
+//------------------------------------------------------------------------------
+std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtkVolume* volume)
+{
+  if (this->BlendMode != vtkVolumeMapper::COMPOSITE_BLEND || treeamr::hasCategories(volume->GetProperty()))
+  {
+    return std::nullopt;
+  }
+  if (!this->OpacityArrayName.empty())
+  {
+    return treeamr::ArraySelection{ this->OpacityArrayName, this->OpacityComponent };
+  }
+  if (this->HasPairs(volume))
+  {
+    return treeamr::ArraySelection{ this->SelectArray().name, 1 };
+  }
+  return std::nullopt;
 }
 
 //------------------------------------------------------------------------------
@@ -276,7 +330,11 @@ treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectArray()
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
 {
-  const treeamr::ArraySelection selection = this->SelectArray();
+  treeamr::ArraySelection selection = this->SelectArray();
+  if (this->HasPairs(volume) && this->OpacityArrayName.empty())
+  {
+    selection.component = 0;
+  }
   Internals& internals = *this->Private;
   const double start = vtkTimerLog::GetUniversalTime();
   std::shared_ptr<const treeamr::Field> field;
@@ -291,12 +349,29 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
     internals.CategorySlot.release();
     internals.Categories.reset();
   }
-  field->nodeRanges(); // made now, they do not count as a frame's time
+  std::shared_ptr<const treeamr::Field> opacityField;
+  if (const std::optional<treeamr::ArraySelection> ofOpacity = this->SelectOpacity(volume))
+  {
+    opacityField = internals.OpacitySlot.acquire(this->GetHyperTreeGrid(), *ofOpacity);
+    internals.Messages.warning(internals.OpacitySlot.remark());
+    if (opacityField->sharedOctree() != field->sharedOctree())
+    {
+      throw treeamr::Error("volume mapper: cell arrays '" + selection.name + "' and '" + ofOpacity->name +
+        "' have finite values in different cells; colour by one and opacity by the other need both in the "
+        "same");
+    }
+  }
+  else
+  {
+    internals.OpacitySlot.release();
+  }
+  (opacityField ? opacityField : field)->nodeRanges(); // made now, they do not count as a frame's time
   internals.Messages.warning(internals.FieldSlot.remark());
-  if (field != internals.Field)
+  if (field != internals.Field || opacityField != internals.OpacityField)
   {
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
     internals.Field = field;
+    internals.OpacityField = opacityField;
     internals.Volume.reset();
     internals.SamplesPerCell.clear();
     internals.FieldTime.Modified();
@@ -324,17 +399,26 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
     internals.SampleDistances.clear();
     internals.TransferFunctionSeconds = 0.;
     const treeamr::Stopwatch stopwatch(internals.TransferFunctionSeconds);
+    const std::shared_ptr<const treeamr::Field>& field =
+      internals.OpacityField ? internals.OpacityField : internals.Field;
+    const int component = internals.OpacityField && this->OpacityArrayName.empty() ? 1 : 0; // of a pair
     treeamr::TransferFunction function = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
       : internals.Categories
       ? treeamr::convertCategories(property, internals.Categories->values)
-      : treeamr::convertTransferFunction(property, internals.Field->range(), internals.Field->offset());
+      : treeamr::convertTransferFunction(property, field->range(), field->offset(), component);
     if (internals.Volume)
     {
       internals.Volume->setTransferFunction(std::move(function));
     }
     else
     {
-      internals.Volume.emplace(internals.Field, std::move(function), bytes);
+      internals.Volume.emplace(field, std::move(function), bytes);
+    }
+    if (property && internals.OpacityField)
+    {
+      const treeamr::Field& colored = *internals.Field;
+      internals.Volume->setColors(
+        internals.Field, treeamr::convertTransferFunction(property, colored.range(), colored.offset()));
     }
     internals.Property = property;
     // Asking for functions that were never set has made them.

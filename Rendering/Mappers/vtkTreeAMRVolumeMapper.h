@@ -41,7 +41,9 @@
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 #include "vtkVolumeMapper.h"
 
-#include <memory> // for std::unique_ptr
+#include <memory>   // for std::unique_ptr
+#include <optional> // for std::optional
+#include <string>   // for std::string
 
 class vtkHyperTreeGrid;
 class vtkTable;
@@ -81,6 +83,20 @@ public:
   /// Default 0.
   vtkSetMacro(VectorComponent, int);
   vtkGetMacro(VectorComponent, int);
+  ///@}
+
+  ///@{
+  /// Cell array that makes the volume opaque, by the property's scalar opacity over its values; the colour remains that of
+  /// the mapper's own array. Both need values in the same cells. Empty (default) is for one array. The same is drawn of
+  /// the two components of an array when the property has IndependentComponents off, as VTK's mappers draw it:
+  /// colour by the first one, opacity by the second over that component's unit distance. Of composite blending; not of categories.
+  void SetOpacityArrayName(const char* name);
+  const char* GetOpacityArrayName() const { return this->OpacityArrayName.c_str(); }
+  ///@}
+  ///@{
+  /// Of the array for opacity; -1 (default) is for the magnitude where there are several.
+  vtkSetMacro(OpacityComponent, int);
+  vtkGetMacro(OpacityComponent, int);
   ///@}
 
   ///@{
@@ -242,6 +258,8 @@ protected:
 
   int VectorMode = MAGNITUDE;
   int VectorComponent = 0;
+  std::string OpacityArrayName;
+  int OpacityComponent = -1;
   double SamplesPerCell = 2.;
   bool SkipEmptySpace = true;
   int VertexCacheSize; // defaultKeptBytes
@@ -268,6 +286,10 @@ private:
   void WarnOfSettings(vtkVolume* volume);
   bool ShowsVolume() const;
   treeamr::ArraySelection SelectArray();
+  /// Whether the array's two components are one for colour and one for opacity.
+  bool HasPairs(vtkVolume* volume);
+  /// Of what makes the volume opaque, when that is not the array itself.
+  std::optional<treeamr::ArraySelection> SelectOpacity(vtkVolume* volume);
   void UpdateField(vtkVolume* volume);
   void UpdateVolume(vtkVolume* volume);
   void UpdateIsosurfaces(vtkRenderer* renderer, vtkVolume* volume);

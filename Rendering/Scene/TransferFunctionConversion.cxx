@@ -212,10 +212,10 @@ private:
 class PropertyFunctions
 {
 public:
-  PropertyFunctions(vtkVolumeProperty* property, Range part, double offset)
+  PropertyFunctions(vtkVolumeProperty* property, Range part, double offset, int component)
     : opacities_(property->GetScalarOpacity(0))
     , offset_(offset)
-    , unitDistance_(property->GetScalarOpacityUnitDistance(0))
+    , unitDistance_(property->GetScalarOpacityUnitDistance(component))
   {
     if (property->GetColorChannels(0) == 1)
     {
@@ -309,9 +309,9 @@ private:
   double unitDistance_;
 };
 
-void checkUnitDistance(vtkVolumeProperty* property)
+void checkUnitDistance(vtkVolumeProperty* property, int component)
 {
-  const double unitDistance = property->GetScalarOpacityUnitDistance(0);
+  const double unitDistance = property->GetScalarOpacityUnitDistance(component);
   if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
   {
     throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
@@ -541,10 +541,11 @@ private:
 
 } // namespace
 
-TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset)
+TransferFunction convertTransferFunction(
+  vtkVolumeProperty* property, Range dataRange, double offset, int component)
 {
-  checkUnitDistance(property);
-  PropertyFunctions functions(property, dataRange, offset);
+  checkUnitDistance(property, component);
+  PropertyFunctions functions(property, dataRange, offset, component);
   const std::vector<double> values = functions.values();
   NodeList nodes(functions, values.size());
   double at = dataRange.min;
@@ -572,7 +573,7 @@ bool hasCategories(vtkVolumeProperty* property)
 
 TransferFunction convertCategories(vtkVolumeProperty* property, vtkDataArray* values)
 {
-  checkUnitDistance(property);
+  checkUnitDistance(property, 0);
   vtkColorTransferFunction* table = property->GetRGBTransferFunction(0);
   // What a function without nodes maps nothing to.
   std::array<unsigned char, 4> nothing{};

@@ -12,8 +12,9 @@ namespace treeamr
 
 /// The property's colours and scalar opacities (component 0) for values of dataRange, as VTK evaluates them at every
 /// float of it, to 1/512 of a channel: nodes where they bend or jump. dataRange and nodes: less the offset, which the
-/// property's values are not. Throws Error for a unit distance that is not positive.
-TransferFunction convertTransferFunction(vtkVolumeProperty* property, Range dataRange, double offset = -0.);
+/// property's values are not. component: whose unit distance counts. Throws Error for one that is not positive.
+TransferFunction convertTransferFunction(
+  vtkVolumeProperty* property, Range dataRange, double offset = -0., int component = 0);
 
 /// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
 /// nothing in between.

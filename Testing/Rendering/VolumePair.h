@@ -26,6 +26,12 @@ inline double wave(const Point& p)
   return 0.5 + 0.5 * std::sin(4. * p[0] + 1.) * std::cos(3. * p[1] - p[2]) * std::cos(2.5 * p[2]);
 }
 
+/// In [0, 1], too.
+inline double otherWave(const Point& p)
+{
+  return 0.5 + 0.5 * std::sin(2. * p[0] - 3. * p[2]) * std::cos(p[1]);
+}
+
 inline void setWaveColors(vtkVolumeProperty* property)
 {
   vtkNew<vtkColorTransferFunction> colors;
@@ -52,15 +58,18 @@ public:
     GridOptions options;
     options.roots = { 1, 1, 1 };
     options.refine = [](const Point&, int level) { return level < 6; };
-    ours_ = scene.addVolume(makeGrid(options, { { "wave", wave } }), "wave", { 1., 1., 1. }, 1.);
+    grid_ = makeGrid(options, { { "wave", wave }, { "other", otherWave } });
+    ours_ = scene.addVolume(grid_, "wave", { 1., 1., 1. }, 1.);
     setWaveColors(ours_->GetProperty());
     Scene::mapperOf(ours_)->SetSamplesPerCell(4.);
-    vtkNew<vtkImageData> image;
+    vtkImageData* image = image_;
     image->SetDimensions(cells + 1, cells + 1, cells + 1);
     image->SetOrigin(-1., -1., -1.);
     image->SetSpacing(2. / cells, 2. / cells, 2. / cells);
     vtkNew<vtkDoubleArray> values;
     values->SetName("wave");
+    vtkNew<vtkDoubleArray> others;
+    others->SetName("other");
     for (int i = 0; i < cells * cells * cells; ++i)
     {
       const std::array<int, 3> at{ i % cells, i / cells % cells, i / cells / cells };
@@ -70,8 +79,10 @@ public:
         p[a] = -1. + 2. * (at[a] + 0.5) / cells;
       }
       values->InsertNextValue(wave(p));
+      others->InsertNextValue(otherWave(p));
     }
     image->GetCellData()->SetScalars(values);
+    image->GetCellData()->AddArray(others);
     theirMapper_->SetInputData(image);
     theirMapper_->AutoAdjustSampleDistancesOff();
     theirMapper_->SetSampleDistance(0.005f);
@@ -79,6 +90,24 @@ public:
     theirs_->SetProperty(ours_->GetProperty());
     scene.renderer->AddVolume(theirs_);
     scene.setCamera();
+  }
+
+  /// Draws an array "pair" of two dependent components: the other waves, which colour, and the waves.
+  void usePairs()
+  {
+    for (vtkCellData* cells : { grid_->GetCellData(), image_->GetCellData() })
+    {
+      vtkNew<vtkDoubleArray> pair;
+      pair->SetName("pair");
+      pair->SetNumberOfComponents(2);
+      for (vtkIdType i = 0; i < cells->GetArray("wave")->GetNumberOfTuples(); ++i)
+      {
+        pair->InsertNextTuple2(cells->GetArray("other")->GetTuple1(i), cells->GetArray("wave")->GetTuple1(i));
+      }
+      cells->SetScalars(pair);
+    }
+    mapper()->SelectScalarArray("pair");
+    property()->IndependentComponentsOff();
   }
 
   void move(vtkTransform* transform)
@@ -127,6 +156,8 @@ public:
   Scene scene{ 120, 100 };
 
 private:
+  vtkSmartPointer<vtkHyperTreeGrid> grid_;
+  vtkNew<vtkImageData> image_;
   vtkVolume* ours_;
   vtkNew<vtkVolume> theirs_;
   vtkNew<vtkGPUVolumeRayCastMapper> theirMapper_;

@@ -1,0 +1,128 @@
+// Volumes whose opacity is that of another array than their colour, by vtkTreeAMRVolumeMapper: against VTK's own volume
+// mapper on a uniform grid.
+#include "RenderingScene.h"
+#include "VolumePair.h"
+
+#include "vtkCellData.h"
+#include "vtkContourValues.h"
+#include "vtkDataArray.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkVolumeProperty.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+using namespace treeamr::test;
+
+namespace
+{
+
+/// Of 255, in the mean over drawn pixels.
+constexpr double tolerance = 2.;
+
+class VolumeArraysTest : public RenderingTest
+{
+protected:
+  static double difference(VolumePair& pair)
+  {
+    return pair.difference([](vtkVolumeMapper* /*mapper*/) {});
+  }
+
+  static vtkHyperTreeGrid* gridOf(VolumePair& pair)
+  {
+    return vtkHyperTreeGrid::SafeDownCast(pair.mapper()->GetInputDataObject(0, 0));
+  }
+};
+
+} // namespace
+
+TEST_F(VolumeArraysTest, dependentComponentsAsVTK)
+{
+  VolumePair pair;
+  const auto before = pair.scene.render();
+  pair.usePairs();
+  EXPECT_LT(difference(pair), tolerance) << "a unit distance of 1";
+  pair.property()->SetScalarOpacityUnitDistance(1, 0.2);
+  EXPECT_LT(difference(pair), tolerance);
+  pair.showOurs();
+  EXPECT_NE(pair.scene.render(), before);
+}
+
+TEST_F(VolumeArraysTest, anOpacityArrayIsTheSecondOfAPair)
+{
+  VolumePair pair;
+  pair.showOurs();
+  const auto plain = pair.scene.render();
+  pair.mapper()->SelectScalarArray("other");
+  pair.mapper()->SetOpacityArrayName("wave");
+  const auto two = pair.scene.render();
+  EXPECT_NE(two, plain);
+  pair.mapper()->SetOpacityArrayName("");
+  pair.usePairs();
+  pair.property()->SetScalarOpacityUnitDistance(1, 0.2);
+  EXPECT_EQ(pair.scene.render(), two);
+  // By component of a pair, and with isosurfaces of the array that colours.
+  pair.property()->IndependentComponentsOn();
+  pair.mapper()->SelectScalarArray("other");
+  pair.mapper()->SetOpacityArrayName("pair");
+  pair.mapper()->SetOpacityComponent(1);
+  EXPECT_EQ(pair.scene.render(), two);
+  pair.mapper()->ShowIsosurfacesOn();
+  pair.property()->GetIsoSurfaceValues()->SetValue(0, 0.5);
+  EXPECT_NE(pair.scene.render(), two);
+  pair.mapper()->ShowIsosurfacesOff();
+  EXPECT_EQ(pair.scene.render(), two);
+  pair.mapper()->SelectScalarArray("wave");
+  pair.mapper()->SetOpacityArrayName(nullptr);
+  EXPECT_EQ(pair.scene.render(), plain);
+}
+
+TEST_F(VolumeArraysTest, newFunctionsAndArraysAreDrawn)
+{
+  VolumePair pair;
+  pair.showOurs();
+  pair.mapper()->SelectScalarArray("other");
+  pair.mapper()->SetOpacityArrayName("wave");
+  const auto first = pair.scene.render();
+  pair.property()->GetRGBTransferFunction()->AddRGBPoint(0.25, 0., 1., 0.);
+  const auto colored = pair.scene.render();
+  EXPECT_NE(colored, first);
+  pair.property()->GetScalarOpacity()->AddPoint(0.7, 0.);
+  EXPECT_NE(pair.scene.render(), colored);
+  // A volume that copies the mapper's settings is the same.
+  const auto last = pair.scene.render();
+  vtkNew<vtkTreeAMRVolumeMapper> copy;
+  copy->ShallowCopy(pair.mapper());
+  EXPECT_STREQ(copy->GetOpacityArrayName(), "wave");
+  EXPECT_EQ(pair.scene.render(), last);
+}
+
+TEST_F(VolumeArraysTest, whatCannotBeDrawnIsSaid)
+{
+  VolumePair pair;
+  pair.showOurs();
+  MessageCounter messages(pair.mapper());
+  pair.mapper()->SetOpacityArrayName("missing");
+  pair.scene.render();
+  ASSERT_EQ(messages.errors.size(), 1u);
+  EXPECT_NE(messages.errors[0].find("'missing'"), std::string::npos) << messages.errors[0];
+  messages.errors.clear();
+  pair.mapper()->SetOpacityArrayName("other");
+  pair.mapper()->SetBlendModeToMaximumIntensity();
+  pair.scene.render();
+  pair.scene.render();
+  EXPECT_TRUE(messages.errors.empty());
+  ASSERT_EQ(messages.warnings.size(), 1u);
+  EXPECT_NE(messages.warnings[0].find("OpacityArrayName"), std::string::npos) << messages.warnings[0];
+  // Cells of one array alone.
+  pair.mapper()->SetBlendModeToComposite();
+  vtkDataArray* array = gridOf(pair)->GetCellData()->GetArray("other");
+  array->SetComponent(array->GetNumberOfTuples() - 1, 0, std::numeric_limits<double>::quiet_NaN());
+  array->Modified();
+  gridOf(pair)->Modified();
+  pair.scene.render();
+  ASSERT_EQ(messages.errors.size(), 1u);
+  EXPECT_NE(messages.errors[0].find("different cells"), std::string::npos) << messages.errors[0];
+  pair.mapper()->RemoveAllObservers();
+}
