@@ -60,6 +60,41 @@ class TestVolume(scene.TestCase):
             expected = 255 * (1 - 0.5 ** (4 / unit))
             self.assertLess(numpy.abs(centre - expected).max(), 1.5)
 
+    def test_opacity_by_another_array(self):
+        """Of an array that is 10 everywhere: 0.5 over a unit, which no value of the coloured one has for long."""
+        ten = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+output = self.GetOutputDataObject(0)
+output.ShallowCopy(self.GetInputDataObject(0, 0))
+array = vtkDoubleArray()
+array.SetName("ten")
+array.SetNumberOfValues(output.GetNumberOfCells())
+array.Fill(10)
+output.GetCellData().AddArray(array)
+""")
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(ten, self.view)
+        self.show()
+        self.look_along_z()
+        self.representation.ScalarOpacityFunction.Points = [
+            0, 0, 0.5, 0, 9, 0, 0.5, 0, 10, 0.5, 0.5, 0, 11, 0, 0.5, 0, 64, 0, 0.5, 0]
+        self.representation.ScalarOpacityUnitDistance = 1
+        one = self.picture("one-array")
+        self.assertEqual(0, self.representation.UseSeparateOpacityArray)
+        self.representation.OpacityArrayName = ["CELLS", "ten"]
+        self.assertTrue(scene.close((self.picture("not-separate"), one)))
+        self.representation.UseSeparateOpacityArray = 1
+        two = self.picture("two-arrays")
+        rows, columns = two.shape[:2]
+        centre = two[rows // 2 - 40:rows // 2 + 40, columns // 2 - 40:columns // 2 + 40]
+        self.assertLess(numpy.abs(centre[..., 0] - 255 * (1 - 0.5 ** 4)).max(), 1.5)
+        self.assertEqual(0, centre[..., 1:].max())
+        self.assertFalse(scene.close((two, one)))
+        # The colour is the other's.
+        scene.set_colour(self.representation.LookupTable, 0, 64, (0, 1, 0))
+        self.assertTrue(scene.close((self.picture("two-arrays-green")[..., 1], two[..., 0])))
+        self.representation.UseSeparateOpacityArray = 0
+
     def test_cropping(self):
         """As ParaView's Volume has it: the data's bounds, here 0 to 4, scaled and then moved."""
         self.show(opacity=0.9)
