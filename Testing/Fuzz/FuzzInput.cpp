@@ -12,6 +12,7 @@
 // sanitizer/allocator_interface.h: there is none without a sanitizer.
 extern "C" [[gnu::weak]] int __sanitizer_install_malloc_and_free_hooks(
   void (*mallocHook)(const volatile void*, std::size_t), void (*freeHook)(const volatile void*));
+extern "C" [[gnu::weak]] std::size_t __sanitizer_get_allocated_size(const volatile void* block);
 
 // Bad input is told in messages, thousands a second.
 extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/)
@@ -26,19 +27,33 @@ namespace treeamr::fuzz
 namespace
 {
 
-std::atomic<std::size_t> mostBytes = SIZE_MAX; // of a block
+std::atomic<bool> isWatching = false;
+std::atomic<std::size_t> mostBytes = 0; // of a block
+std::atomic<std::int64_t> mostInAll = 0;
+std::atomic<std::int64_t> inAll = 0; // since the watch began
 
-void checkBlock(const volatile void* /*block*/, std::size_t bytes)
+void addBlock(const volatile void* /*block*/, std::size_t bytes)
 {
-  if (bytes > mostBytes)
+  if (!isWatching)
   {
-    mostBytes = SIZE_MAX; // what reports it may ask for more
-    std::fprintf(stderr, "a block of %zu bytes\n", bytes);
+    return;
+  }
+  const std::int64_t now = inAll += static_cast<std::int64_t>(bytes);
+  if (bytes > mostBytes || now > mostInAll)
+  {
+    isWatching = false; // what reports it may ask for more
+    std::fprintf(stderr, "a block of %zu bytes, %lld in all\n", bytes, static_cast<long long>(now));
     std::abort();
   }
 }
 
-void ignoreBlock(const volatile void* /*block*/) {}
+void removeBlock(const volatile void* block)
+{
+  if (isWatching && block)
+  {
+    inAll -= static_cast<std::int64_t>(__sanitizer_get_allocated_size(block));
+  }
+}
 
 } // namespace
 
@@ -53,17 +68,20 @@ std::string writeFiles(std::initializer_list<std::pair<std::string, Bytes>> file
   return folder.file("");
 }
 
-HeapWatch::HeapWatch(std::size_t inputBytes)
+HeapWatch::HeapWatch(std::size_t inputBytes, std::size_t lattice)
 {
   static const bool isInstalled = __sanitizer_install_malloc_and_free_hooks &&
-    __sanitizer_install_malloc_and_free_hooks(checkBlock, ignoreBlock) != 0;
+    __sanitizer_install_malloc_and_free_hooks(addBlock, removeBlock) != 0;
   (void)isInstalled;
-  mostBytes = 4 * inputBytes + ofAnyInput;
+  mostBytes = 4 * inputBytes + ofAnyInput + lattice;
+  mostInAll = static_cast<std::int64_t>(ofEachByte * inputBytes + ofAnyInputInAll + 4 * lattice);
+  inAll = 0;
+  isWatching = true;
 }
 
 HeapWatch::~HeapWatch()
 {
-  mostBytes = SIZE_MAX;
+  isWatching = false;
 }
 
 void require(bool holds, const char* what)

@@ -33,18 +33,21 @@ struct Bytes
 /// A folder of this process with files of these names and contents, instead of those of the call before; its path.
 std::string writeFiles(std::initializer_list<std::pair<std::string, Bytes>> files);
 
-/// Under a sanitizer: ends the process when during its life a single block larger than four times the input, and than
-/// what readers allocate for any input, is asked for.
+/// Under a sanitizer: ends the process when during its life a block of more than four times the input and `ofAnyInput` is asked
+/// for, or all there are together take more than `ofEachByte` times the input and `ofAnyInputInAll`.
 class HeapWatch
 {
 public:
-  explicit HeapWatch(std::size_t inputBytes);
+  /// lattice: what planes between roots that the input puts far apart may take.
+  explicit HeapWatch(std::size_t inputBytes, std::size_t lattice = 0);
   ~HeapWatch();
   HeapWatch(const HeapWatch&) = delete;
   HeapWatch& operator=(const HeapWatch&) = delete;
 
-  /// A lattice's planes, of up to 2^20 roots along an axis and twice that while it grows.
-  static constexpr std::size_t ofAnyInput = std::size_t(1) << 25;
+  /// Buffers of streams, of what is counted for parts of a loop.
+  static constexpr std::size_t ofAnyInput = std::size_t(1) << 18;
+  static constexpr std::size_t ofAnyInputInAll = std::size_t(1) << 20;
+  static constexpr std::size_t ofEachByte = 16;
 };
 
 /// Ends the process, naming what does not hold.

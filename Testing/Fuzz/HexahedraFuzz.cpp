@@ -52,7 +52,9 @@ double strayed(double coordinate, unsigned kind, unsigned off, double width)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-  const fuzz::HeapWatch watch(16 * size); // 24 coordinates and more of each cell
+  constexpr std::size_t lattice = std::size_t(1)
+    << 24; // 2^20 roots along an axis, and as many while their list grows
+  const fuzz::HeapWatch watch(24 * size, lattice); // 24 coordinates of each cell, which are the file
   fuzz::Bytes bytes{ data, size };
   const unsigned options = bytes.takeByte();
   vtkNew<vtkPoints> points;

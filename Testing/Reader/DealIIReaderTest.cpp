@@ -1,6 +1,7 @@
 // Checkpoints that a deal.II program wrote (Testing/Data/DealII/Checkpoints/checkpoints.cc), against the means that the
 // program itself took of its functions over each cell, and as spoilt files.
 #include "vtkTreeAMRP4estReader.h"
+#include "vtkTreeAMRProbeFilter.h"
 
 #include "CornerArrays.h"
 #include "Field/CornerValues.h"
@@ -18,6 +19,9 @@
 #include "vtkInformation.h"
 #include "vtkInformationIntegerKey.h"
 #include "vtkNew.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
 
 #include <gtest/gtest.h>
 
@@ -66,6 +70,12 @@ std::map<Centre, std::vector<double>> tableOf(const std::string& name)
     }
   }
   return table;
+}
+
+/// The function that the program interpolated, as checkpoints.cc has it.
+double wave(double x, double y, double z, double phase)
+{
+  return std::sin(2. * x - 3. * y + z + phase) + x * x * y * z - 0.25 * z;
 }
 
 struct Component
@@ -194,12 +204,9 @@ TEST_F(DealIIReaderTest, ValuesOfTheProgram)
     { { "q" }, { "dgq" }, { "dgp" }, { "enriched" }, { "linear" }, { "legendre" }, { "small", 0, 5e-7 } });
 }
 
-// The function that the program interpolated, as checkpoints.cc has it, and the corners of the cells.
+// At the corners of the cells.
 TEST_F(DealIIReaderTest, ValuesAtCorners)
 {
-  const auto wave = [](double x, double y, double z, double phase) {
-    return std::sin(2. * x - 3. * y + z + phase) + x * x * y * z - 0.25 * z;
-  };
   struct Case
   {
     const char* name;
@@ -248,42 +255,118 @@ TEST_F(DealIIReaderTest, ValuesAtCorners)
   this->expectError(data + "cube", "skip; double a, b = FE_Q_DG0(1) corners", "\"corners\", allowed corners");
 }
 
-// Finite elements are constrained where cells of two levels meet; the program interpolated without that.
+// Between the corners of cells, on all of the three meshes. Finite elements are constrained where cells of two levels meet;
+// the program interpolated without that.
 TEST_F(DealIIReaderTest, ValuesAtCornersAreInterpolated)
 {
-  const auto wave = [](double x, double y, double z, double phase) {
-    return std::sin(2. * x - 3. * y + z + phase) + x * x * y * z - 0.25 * z;
+  struct Case
+  {
+    const char* name;
+    const char* payload;
+    std::array<double, 3> origin;
+    std::array<double, 3> spacing;
+    double phase;
+    std::size_t cells;
   };
-  this->setBoxes({ -1., -1., -1. }, { 2., 2., 2. });
-  vtkHyperTreeGrid* const grid = this->read(data + "cube", "skip; double before, now = FE_Q(1) corners");
-  ASSERT_TRUE(errors_.empty()) << errors_[0];
-  EXPECT_TRUE(grid->GetCellData()->GetArray("now")->GetInformation()->Has(cornerValuesKey()));
-  const auto field = acquireField(grid, { "now" });
-  ASSERT_TRUE(field->corners());
-  std::vector<LeafCell> cells;
-  for (const CellId& leaf : leavesOf(field->octree()))
+  for (const Case& c : { Case{ "cube", "skip; double before, now = FE_Q(1) corners", { -1., -1., -1. },
+                           { 2., 2., 2. }, 2.1, 120 },
+         Case{ "hyper_L", "skip; double now = FE_Q(1) corners", { -1., -1., -1. }, { 1., 1., 1. }, 1.4, 119 },
+         Case{ "rectangle", "double s(u, now, other) = FE_Q(2)^3 - FE_Q(1) - FE_DGQ(1) corners; skip",
+           { -0.3, 0., 0.1 }, { 0.4, 0.35, 0.3 }, 0.7 + 3., 20 } })
   {
-    cells.push_back({ leaf, 0.f });
-  }
-  ASSERT_EQ(cells.size(), 120u);
-  const CornerFunction expected(cells, [&](const std::array<double, 3>& p) {
-    return wave(2. * p[0] - 1., 2. * p[1] - 1., 2. * p[2] - 1., 2.1);
-  });
-  const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
-  const double range = static_cast<double>(field->range().max) - field->range().min;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(0.001, 0.999);
-  for (int i = 0; i < 10000; ++i)
-  {
-    const CellId& cell = cells[random() % cells.size()].cell;
-    std::array<double, 3> place;
-    for (int a = 0; a < 3; ++a)
+    SCOPED_TRACE(c.name);
+    this->setBoxes(c.origin, c.spacing);
+    vtkHyperTreeGrid* const grid = this->read(data + c.name, c.payload);
+    ASSERT_TRUE(errors_.empty()) << errors_[0];
+    EXPECT_TRUE(grid->GetCellData()->GetArray("now")->GetInformation()->Has(cornerValuesKey()));
+    const auto field = acquireField(grid, { "now" });
+    ASSERT_TRUE(field->corners());
+    std::vector<LeafCell> cells;
+    for (const CellId& leaf : leavesOf(field->octree()))
     {
-      place[a] = std::ldexp(static_cast<double>(cell.index[a]) + uniform(random), -cell.level);
+      cells.push_back({ leaf, 0.f });
     }
-    FieldSample sample;
-    ASSERT_TRUE(sampler->sample({ 2. * place[0] - 1., 2. * place[1] - 1., 2. * place[2] - 1. }, sample));
-    ASSERT_NEAR(sample.value, expected.value(cell, place), 1e-6 * range);
+    ASSERT_EQ(cells.size(), c.cells);
+    const auto worldOf = [&](const std::array<double, 3>& p) {
+      return std::array{ c.origin[0] + c.spacing[0] * p[0], c.origin[1] + c.spacing[1] * p[1],
+        c.origin[2] + c.spacing[2] * p[2] };
+    };
+    const CornerFunction expected(cells, [&](const std::array<double, 3>& p) {
+      const auto [x, y, z] = worldOf(p);
+      return wave(x, y, z, c.phase);
+    });
+    const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+    const double range = static_cast<double>(field->range().max) - field->range().min;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(0.001, 0.999);
+    for (int i = 0; i < 10000; ++i)
+    {
+      const CellId& cell = cells[random() % cells.size()].cell;
+      std::array<double, 3> place;
+      for (int a = 0; a < 3; ++a)
+      {
+        place[a] = std::ldexp(static_cast<double>(cell.index[a]) + uniform(random), -cell.level);
+      }
+      FieldSample sample;
+      ASSERT_TRUE(sampler->sample(worldOf(place), sample));
+      ASSERT_NEAR(sample.value, expected.value(cell, place), 1e-6 * range);
+    }
+  }
+}
+
+// What is one value a cell, to the last digit.
+TEST_F(DealIIReaderTest, ValuesOfCellsAtRandomPoints)
+{
+  struct Case
+  {
+    const char* name;
+    const char* payload;
+    std::array<double, 3> origin;
+    std::array<double, 3> spacing;
+    std::size_t column;
+  };
+  for (const Case& c :
+    { Case{ "cube", "double found = FE_DGQ(0); skip", { -1., -1., -1. }, { 2., 2., 2. }, 0 },
+      Case{ "hyper_L", "double found = FE_DGQ(0); skip", { -1., -1., -1. }, { 1., 1., 1. }, 0 },
+      Case{ "rectangle", "skip; unsigned found", { -0.3, 0., 0.1 }, { 0.4, 0.35, 0.3 }, 5 } })
+  {
+    SCOPED_TRACE(c.name);
+    this->setBoxes(c.origin, c.spacing);
+    vtkHyperTreeGrid* const grid = this->read(data + c.name, c.payload);
+    ASSERT_TRUE(errors_.empty()) << errors_[0];
+    const auto table = tableOf(c.name);
+    const std::vector<DrawnCell> cells = drawnCells(grid, "found");
+    ASSERT_EQ(cells.size(), table.size());
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(0.001, 0.999);
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    std::vector<double> expected;
+    for (int i = 0; i < 10000; ++i)
+    {
+      const auto& bounds = cells[random() % cells.size()].bounds;
+      std::array<double, 3> centre;
+      std::array<double, 3> p;
+      for (int a = 0; a < 3; ++a)
+      {
+        centre[a] = (bounds[a] + bounds[a + 3]) / 2.;
+        p[a] = std::lerp(bounds[a], bounds[a + 3], uniform(random));
+      }
+      points->InsertNextPoint(p.data());
+      expected.push_back(table.at(rounded(centre))[c.column]);
+    }
+    vtkNew<vtkPolyData> input;
+    input->SetPoints(points);
+    vtkNew<vtkTreeAMRProbeFilter> probe;
+    probe->SetInputData(input);
+    probe->SetSourceData(grid);
+    probe->SetInterpolationMethodToNearest();
+    probe->Update();
+    vtkDataArray* const found = probe->GetOutput()->GetPointData()->GetArray("found");
+    for (std::size_t i = 0; i < expected.size(); ++i)
+    {
+      ASSERT_EQ(found->GetComponent(static_cast<vtkIdType>(i), 0), expected[i]);
+    }
   }
 }
 

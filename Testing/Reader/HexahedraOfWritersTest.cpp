@@ -191,6 +191,7 @@ TEST(HexahedraOfWriters, DealIIHasPatches)
     const auto field = acquireField(grid, { "wave" });
     ASSERT_TRUE(field->corners());
     const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+    const auto ofCells = Sampler::create(InterpolationMethod::Nearest, acquireField(grid, { "level" }));
     const double range = static_cast<double>(field->range().max) - field->range().min;
     std::mt19937 random(1);
     std::uniform_real_distribution<double> uniform(0.001, 0.999);
@@ -205,6 +206,8 @@ TEST(HexahedraOfWriters, DealIIHasPatches)
       FieldSample sample;
       ASSERT_TRUE(sampler->sample(p, sample));
       ASSERT_NEAR(sample.value, 0.5 + p[0] + 2. * p[1] - p[2] + 3. * p[0] * p[1] * p[2], 1e-6 * range);
+      ASSERT_TRUE(ofCells->sample(p, sample));
+      ASSERT_EQ(sample.value, cell.value);
     }
     double volume = 0.;
     for (const DrawnCell& leaf : levels)
