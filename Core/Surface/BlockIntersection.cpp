@@ -80,19 +80,6 @@ bool BlockIntersection::meetsExtent(const CrossedBlock& block, const RayPart& ra
   return ray.ray.clip(low, high, in, out) || in - out <= 0x1p-20 * (ray.tLeave - ray.tEnter);
 }
 
-template <class Misses>
-bool BlockIntersection::open(CrossedBlock& block, const Misses& misses) const
-{
-  // To compute values again takes longer than to look whether a ray comes near the surface.
-  if (blocks_.all()[block.number].isNarrowed() && !blocks_.isKept(block.number) && misses())
-  {
-    return false;
-  }
-  block.record = &blocks_.record(block.number);
-  block.record->prefetch();
-  return true;
-}
-
 template <class Visit, class GoesOn>
 void BlockIntersection::visitHits(const CrossedBlock& block, const RayPart& ray, const RayHits& hits,
   const Visit& visit, const GoesOn& goesOn) const
@@ -156,11 +143,19 @@ void BlockIntersection::collectInBlock(const CrossedBlock& block, const RayPart&
 
 bool BlockIntersection::intersect(std::uint32_t number, const RayPart& ray, RayHits& hits) const
 {
-  CrossedBlock block(space_, blocks_.all()[number], number);
-  if (blocks_.all()[number].isEmpty() || !open(block, [&] { return !meetsExtent(block, ray, hits.limit); }))
+  const SurfaceBlock& place = blocks_.all()[number];
+  if (place.isEmpty())
   {
     return false;
   }
+  CrossedBlock block(space_, place, number);
+  // To compute values again takes longer than to look whether the ray comes near the surface.
+  if (place.isNarrowed() && !blocks_.isKept(number) && !meetsExtent(block, ray, hits.limit))
+  {
+    return false;
+  }
+  block.record = &blocks_.record(number);
+  block.record->prefetch();
   if (hits.all)
   {
     collectInBlock(block, ray, hits);
@@ -177,25 +172,31 @@ std::uint32_t BlockIntersection::intersect(
     return 0;
   }
   OctantCandidates& candidates = tile.candidates;
-  candidates.blocks[candidates.blockCount++] = CrossedBlock(space_, blocks_.all()[number], number);
-  CrossedBlock& block = candidates.last();
-  const auto misses = [&] {
-    for (std::uint32_t rest = wanted; rest != 0; rest &= rest - 1)
-    {
-      const int ray = first + std::countr_zero(rest);
-      if (meetsExtent(block, tile.rays.at(ray), tile.rays.limit[ray]))
-      {
-        return false;
-      }
-    }
-    return true;
-  };
-  if (!open(block, misses))
+  CrossedBlock& block = candidates.blocks[candidates.blockCount];
+  block = CrossedBlock(space_, blocks_.all()[number], number);
+  BlockEntries entries;
+  const std::uint32_t entering = enterBlock(block, tile.rays, first, wanted, entries);
+  if (entering == 0)
   {
-    --candidates.blockCount;
     return 0;
   }
-  cross(tile, first, wanted);
+  block.record = &blocks_.record(number);
+  block.record->prefetch();
+  const bool all = tile.hits[first].all;
+  if (all && tile.places.withNormals)
+  {
+    gradients_.prefetch(number);
+  }
+  ++candidates.blockCount;
+  const int before = candidates.count;
+  cross(tile, first, entering, entries);
+  if (all && tile.places.withNormals)
+  {
+    for (int i = before; i < candidates.count; ++i)
+    {
+      gradients_.prefetch(number, candidates.octant(i));
+    }
+  }
   candidates.dropEmptyBlock();
   // Those of all layers wait until there are many, unless the next block takes the place of the values.
   if (!tile.hits[first].all || candidates.count >= OctantCandidates::enough || !blocks_.isKept(number))
@@ -204,7 +205,7 @@ std::uint32_t BlockIntersection::intersect(
     candidates.blockCount = 0;
   }
   std::uint32_t nearer = 0;
-  for (std::uint32_t rest = wanted; rest != 0; rest &= rest - 1)
+  for (std::uint32_t rest = entering; rest != 0; rest &= rest - 1)
   {
     const int i = std::countr_zero(rest);
     if (tile.rays.limit[first + i] < tile.hits[first + i].limit)
@@ -216,7 +217,8 @@ std::uint32_t BlockIntersection::intersect(
   return nearer;
 }
 
-void BlockIntersection::cross(RayTile& tile, int first, std::uint32_t wanted) const
+void BlockIntersection::cross(
+  RayTile& tile, int first, std::uint32_t entering, const BlockEntries& entries) const
 {
   const std::span<const double> isovalues = blocks_.isovalues();
   constexpr std::size_t together = OctantCandidates::mostIsovalues;
@@ -228,7 +230,7 @@ void BlockIntersection::cross(RayTile& tile, int first, std::uint32_t wanted) co
       tile.candidates.keepLastBlock();
     }
     crossBlock(isovalues.subspan(s, std::min(together, isovalues.size() - s)), static_cast<int>(s), tile.rays,
-      first, wanted, tile.candidates);
+      first, entering, entries, tile.candidates);
   }
 }
 
@@ -242,6 +244,10 @@ void BlockIntersection::takeCandidates(RayTile& tile) const
   const CandidateRoots& roots = tile.roots;
   const bool firstOnly = !tile.hits[candidates.ray(0)].all && tile.parts.empty();
   findRoots(candidates, firstOnly, tile.roots);
+  if (tile.hits[candidates.ray(0)].all && tile.places.withNormals)
+  {
+    prepareGradients(candidates, roots);
+  }
   for (int i = 0; i < roots.count; ++i)
   {
     if (!candidates.block(roots.candidate[i]).record->isMixed())
@@ -364,6 +370,25 @@ void BlockIntersection::prepareGradients(const RayTile& tile) const
       octants |= std::uint64_t(1) << hits[i]->octant;
     }
     gradients_.record(block, blocks_.record(block), octants);
+  }
+}
+
+void BlockIntersection::prepareGradients(const OctantCandidates& candidates, const CandidateRoots& roots) const
+{
+  for (int i = 0; i < roots.count;)
+  {
+    const CrossedBlock& block = candidates.block(roots.candidate[i]);
+    std::uint64_t octants = 0;
+    for (; i < roots.count && &candidates.block(roots.candidate[i]) == &block; ++i)
+    {
+      octants |= std::uint64_t(1) << candidates.octant(roots.candidate[i]);
+    }
+    // Of all layers rays see most octants of a block, sooner or later.
+    if (gradients_.lacks(block.number, std::countr_zero(octants)))
+    {
+      octants = block.record->active;
+    }
+    gradients_.record(block.number, *block.record, octants);
   }
 }
 

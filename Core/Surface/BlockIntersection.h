@@ -133,9 +133,6 @@ public:
 
 private:
   static bool meetsExtent(const CrossedBlock& block, const RayPart& ray, double limit) noexcept;
-  /// Looks its values up, unless none of the rays, of which misses() tells, can have a hit.
-  template <class Misses>
-  bool open(CrossedBlock& block, const Misses& misses) const;
   bool nearestInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const;
   void collectInBlock(const CrossedBlock& block, const RayPart& ray, RayHits& hits) const;
   void setGradients(const CrossedBlock& block, const Vec3& place, SurfaceHit& hit) const;
@@ -145,7 +142,7 @@ private:
   CrossedBlock opened(std::uint32_t number) const;
 
   /// Adds what some of the 16 rays from the first on may hit in the last block of the candidates.
-  void cross(RayTile& tile, int first, std::uint32_t wanted) const;
+  void cross(RayTile& tile, int first, std::uint32_t entering, const BlockEntries& entries) const;
   /// Finds the roots of the candidates that there are.
   void takeCandidates(RayTile& tile) const;
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;
@@ -153,6 +150,8 @@ private:
     RayTile& tile, int ray, const CrossedBlock& block, const Vec3& place, const SurfaceHit& hit) const;
   /// Of the nearest hits, block by block.
   void prepareGradients(const RayTile& tile) const;
+  /// Of all roots, block by block.
+  void prepareGradients(const OctantCandidates& candidates, const CandidateRoots& roots) const;
   /// Makes hits of the places that there are.
   void takePlaces(RayTile& tile) const;
 

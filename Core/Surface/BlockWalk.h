@@ -159,12 +159,6 @@ void walkBlock(const BlockPlanes& planes, std::uint64_t active, const SlabRay& r
   }
 }
 
-/// Of an octant's eight corners the first, in a block's vertex values.
-constexpr int firstVertex(int octant) noexcept
-{
-  return (octant & 3) + 5 * (octant >> 2 & 3) + 25 * (octant >> 4);
-}
-
 /// The field less the isovalue on the crossing, over s in [0, 1].
 inline Cubic alongCrossing(
   const SurfaceRecord& record, double isovalue, const OctantCrossing& crossing) noexcept

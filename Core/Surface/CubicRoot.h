@@ -19,6 +19,13 @@ inline double evaluate(const Cubic& c, double s) noexcept
   return ((c[3] * s + c[2]) * s + c[1]) * s + c[0];
 }
 
+/// Of a root in [0, 1]: below the last digit that counts.
+constexpr double negligibleError = 0x1p-54;
+/// Of those below products run out of digits.
+constexpr double leastSlope = 0x1p-900;
+/// Bisection alone would need 53 for all digits of [0, 1]; Newton ends much earlier.
+constexpr int mostSteps = 64;
+
 /// Closes a bracket [a, b] of a monotone piece with values of different sign at its ends.
 inline double closeBracket(const Cubic& c, double a, double b, double atA, double atB) noexcept
 {
@@ -28,8 +35,7 @@ inline double closeBracket(const Cubic& c, double a, double b, double atA, doubl
   {
     s = 0.5 * (a + b);
   }
-  // Bisection alone would need 53 steps for all digits of [0, 1]; Newton ends much earlier.
-  for (int i = 0; i < 64; ++i)
+  for (int i = 0; i < mostSteps; ++i)
   {
     const double f = evaluate(c, s);
     if (f == 0.)
@@ -38,12 +44,15 @@ inline double closeBracket(const Cubic& c, double a, double b, double atA, doubl
     }
     ((f < 0.) == negativeAtA ? a : b) = s;
     const double slope = (3. * c[3] * s + 2. * c[2]) * s + c[1];
-    double next = s - f / slope;
-    if (!(next > a && next < b))
-    {
-      next = 0.5 * (a + b);
-    }
-    if (next == s || next <= a || next >= b)
+    const double newton = s - f / slope;
+    const bool isNewton = newton > a && newton < b;
+    const double next = isNewton ? newton : 0.5 * (a + b);
+    // What a step of Newton leaves is the square of its length times half the ratio of the second derivative to the first.
+    const double change = next - s;
+    const double steep = std::abs(slope);
+    const bool isExact =
+      change * change * std::abs(3. * c[3] * s + c[2]) <= negligibleError * steep && steep > leastSlope;
+    if ((isNewton && isExact) || next == s || next <= a || next >= b)
     {
       return next;
     }

@@ -148,7 +148,7 @@ struct Isosurface::Impl
     int mostCellDepth, std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now())
     : isovalues(std::move(ascending))
     , blocks(field, relative(isovalues, field->offset()), keptBytes, mostCellDepth)
-    , gradients(blocks, keptBytes / 2)
+    , gradients(blocks, keptBytes / 2 + (keptBytes - std::min(keptBytes, blocks.mostKeptBytes())))
     , space(field->octree().grid())
     , intersection(blocks, gradients, space)
     , extractionSeconds(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count())

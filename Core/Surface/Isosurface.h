@@ -71,7 +71,7 @@ public:
 
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
   /// them. Vertex values are computed where rays come and kept within keptBytes; gradients where normals are asked for,
-  /// within half as much again. Cells deeper than mostCellDepth
+  /// within half as much again and what all values leave. Cells deeper than mostCellDepth
   /// (at least 1; a root's is 0) are drawn together by their means, as level of detail (see cellDepthFor()), but
   /// for those that would be together with ghosts. Throws Error without a field or isovalues, for one that is not
   /// finite, or when Embree fails.

@@ -71,6 +71,12 @@ private:
 };
 static_assert(sizeof(SurfaceBlock) == 24);
 
+/// Of an octant's eight corners the first, in a block's vertex values.
+constexpr int firstVertex(int octant) noexcept
+{
+  return (octant & 3) + 5 * (octant >> 2 & 3) + 25 * (octant >> 4);
+}
+
 /// The vertex values of a block in double precision: both sides of a level boundary agree to its rounding.
 struct alignas(64) SurfaceRecord
 {
@@ -143,6 +149,8 @@ public:
   /// Allocated bytes: of the blocks, and of the records.
   std::size_t byteSize() const noexcept;
   std::size_t keptBytes() const noexcept { return pool_.byteSize(); }
+  /// What the records of all blocks would take.
+  std::size_t mostKeptBytes() const noexcept { return blocks_.size() * sizeof(SurfaceRecord); }
 
 private:
   static constexpr std::size_t together = 8; // values that are computed at once

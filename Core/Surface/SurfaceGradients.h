@@ -21,6 +21,16 @@ struct alignas(64) GradientRecord
   {
     return std::bit_cast<float>(std::atomic_ref(bits[vertex][axis]).load(std::memory_order_relaxed));
   }
+  /// Announces that those of an octant's corners will be read.
+  void prefetch(int octant) const noexcept
+  {
+    const int first = firstVertex(octant);
+    for (const int low : { 0, block::vertexStride[1], block::vertexStride[2], block::vertexStride[1] + block::vertexStride[2] })
+    {
+      treeamr::prefetch(&bits[first + low]);
+      treeamr::prefetch(&bits[first + low + 1][2]);
+    }
+  }
   /// Octants x + 4 y + 16 z.
   std::uint64_t ready(std::memory_order order) const noexcept { return std::atomic_ref(octants).load(order); }
 
@@ -46,6 +56,23 @@ public:
     return kept && (octants & ~kept->ready(std::memory_order_acquire)) == 0
       ? *kept
       : this->complete(block, values, octants);
+  }
+  /// Announces that a block's will be asked for.
+  void prefetch(std::uint32_t block) const noexcept
+  {
+    if (isPrepared_.load(std::memory_order_relaxed))
+    {
+      treeamr::prefetch(&numbers_[block]);
+    }
+  }
+  /// That those of an octant will be read.
+  void prefetch(std::uint32_t block, int octant) const noexcept
+  {
+    if (const GradientRecord* kept = this->find(block))
+    {
+      kept->prefetch(octant);
+      treeamr::prefetch(&kept->octants);
+    }
   }
   /// Whether an octant is not there yet, and would be kept: many of a block together cost less.
   bool lacks(std::uint32_t block, int octant) const

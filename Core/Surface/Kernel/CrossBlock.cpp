@@ -20,8 +20,6 @@ namespace HWY_NAMESPACE
 /// The state of a vector of rays along one axis.
 struct Axis
 {
-  Doubles origin;
-  Doubles direction;
   std::array<Doubles, 3> planeT; // of those between octants, in the order that the ray crosses them
   Doubles next;                  // of them
   Doubles passed;                // octants
@@ -129,65 +127,91 @@ struct Crossings
   }
 };
 
-/// walkBlock() for a vector of rays from `begin` on; `wanted`: which of them.
-HWY_INLINE void walk(
-  const CrossedBlock& block, const SlabRays& rays, int begin, Mask wanted, Crossings& found)
+/// A vector of rays and the planes across an axis.
+struct Slab
+{
+  Doubles origin;
+  Doubles inverse;
+  Mask up;
+  Mask crosses;
+
+  HWY_INLINE Slab(const SlabRays& rays, int axis, int begin)
+    : origin(hn::LoadU(Tag(), &rays.origin[axis][begin]))
+    , inverse(hn::LoadU(Tag(), &rays.inverse[axis][begin]))
+    , up(hn::Gt(inverse, hn::Zero(Tag())))
+    , crosses(hn::Lt(hn::Abs(inverse), set(std::numeric_limits<double>::infinity())))
+  {
+  }
+  HWY_INLINE Doubles planeAt(double plane) const { return hn::Mul(hn::Sub(set(plane), origin), inverse); }
+};
+
+std::uint32_t EnterBlock(
+  const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted, BlockEntries& entries)
+{
+  const Tag d;
+  const Doubles infinity = set(std::numeric_limits<double>::infinity());
+  std::uint32_t entering = 0;
+  for (int i = 0; i < OctantCandidates::mostRays; i += lanes)
+  {
+    const int begin = first + i;
+    Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
+    Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
+    for (int a = 0; a < 3; ++a)
+    {
+      // Beyond the octants that may be active there is nothing to find.
+      const double lower = block.planes.at[a][block.first[a]];
+      const double upper = block.planes.at[a][block.end[a]];
+      const Slab slab(rays, a, begin);
+      const Doubles low = slab.planeAt(lower);
+      const Doubles high = slab.planeAt(upper);
+      // Of two neighbours exactly one has a ray that runs in their face.
+      const Mask inside = hn::And(hn::Ge(slab.origin, set(lower)), hn::Lt(slab.origin, set(upper)));
+      const Doubles in = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high),
+        hn::IfThenElse(inside, hn::Neg(infinity), infinity));
+      t0 = hn::Max(t0, in);
+      t1 = hn::Min(t1, hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity));
+    }
+    hn::Store(t0, d, &entries.t0[i]);
+    hn::Store(t1, d, &entries.t1[i]);
+    const Mask enters = hn::And(hn::Lt(t0, t1), hn::Le(t0, hn::LoadU(d, &rays.limit[begin])));
+    HWY_ALIGN std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, enters, bits);
+    entering |= static_cast<std::uint32_t>(bits[0]) << i;
+  }
+  return entering & wanted;
+}
+
+/// walkBlock() for a vector of rays from first + i on, on from where they enter; alive: which of them.
+HWY_INLINE void walk(const CrossedBlock& block, const SlabRays& rays, const BlockEntries& entries, int first,
+  int i, Mask alive, Crossings& found)
 {
   const Tag d;
   const IntTag di;
   const BitsTag du;
+  const int begin = first + i;
   const Doubles infinity = set(std::numeric_limits<double>::infinity());
-  const BlockPlanes& planes = block.planes;
   std::array<Axis, 3> axes;
-  Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
-  Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
+  Doubles t0 = hn::Load(d, &entries.t0[i]);
+  const Doubles t1 = hn::Load(d, &entries.t1[i]);
   const Doubles limit = hn::LoadU(d, &rays.limit[begin]);
-  std::array<Mask, 3> up;
-  std::array<Mask, 3> crosses;
-  std::array<Doubles, 3> inverse;
   for (int a = 0; a < 3; ++a)
   {
     Axis& axis = axes[a];
-    // Beyond the octants that may be active there is nothing to find.
-    const Doubles lower = set(planes.at[a][block.first[a]]);
-    const Doubles upper = set(planes.at[a][block.end[a]]);
-    axis.origin = hn::LoadU(d, &rays.origin[a][begin]);
-    axis.direction = hn::LoadU(d, &rays.direction[a][begin]);
-    inverse[a] = hn::LoadU(d, &rays.inverse[a][begin]);
-    up[a] = hn::Gt(axis.direction, hn::Zero(d));
-    crosses[a] = hn::Lt(hn::Abs(inverse[a]), infinity);
-    const Doubles low = hn::Mul(hn::Sub(lower, axis.origin), inverse[a]);
-    const Doubles high = hn::Mul(hn::Sub(upper, axis.origin), inverse[a]);
-    // Of two neighbours exactly one has a ray that runs in their face.
-    const Mask inside = hn::And(hn::Ge(axis.origin, lower), hn::Lt(axis.origin, upper));
-    const Doubles in = hn::IfThenElse(
-      crosses[a], hn::IfThenElse(up[a], low, high), hn::IfThenElse(inside, hn::Neg(infinity), infinity));
-    t0 = hn::Max(t0, in);
-    t1 = hn::Min(t1, hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], high, low), infinity));
-  }
-  Mask alive = hn::And(hn::And(hn::Lt(t0, t1), hn::Le(t0, limit)), wanted);
-  if (hn::AllFalse(d, alive))
-  {
-    return;
-  }
-  for (int a = 0; a < 3; ++a)
-  {
-    Axis& axis = axes[a];
-    const auto& p = planes.at[a];
-    const auto planeAt = [&](int i) { return hn::Mul(hn::Sub(set(p[i]), axis.origin), inverse[a]); };
-    const Doubles low = planeAt(1);
-    const Doubles middle = planeAt(2);
-    const Doubles high = planeAt(3);
-    axis.planeT[0] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], low, high), infinity);
-    axis.planeT[1] = hn::IfThenElse(crosses[a], middle, infinity);
-    axis.planeT[2] = hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], high, low), infinity);
+    const auto& p = block.planes.at[a];
+    const Slab slab(rays, a, begin);
+    const Doubles low = slab.planeAt(p[1]);
+    const Doubles middle = slab.planeAt(p[2]);
+    const Doubles high = slab.planeAt(p[3]);
+    axis.planeT[0] = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high), infinity);
+    axis.planeT[1] = hn::IfThenElse(slab.crosses, middle, infinity);
+    axis.planeT[2] = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity);
     axis.passed =
       countTrue(hn::Le(axis.planeT[0], t0), hn::Le(axis.planeT[1], t0), hn::Le(axis.planeT[2], t0));
     const Doubles stays = countTrue(
-      hn::Ge(axis.origin, set(p[1])), hn::Ge(axis.origin, set(p[2])), hn::Ge(axis.origin, set(p[3])));
-    axis.step = hn::IfThenElseZero(crosses[a], hn::IfThenElse(up[a], set(1.), set(-1.)));
-    axis.cell =
-      hn::IfThenElse(crosses[a], hn::IfThenElse(up[a], axis.passed, hn::Sub(set(3.), axis.passed)), stays);
+      hn::Ge(slab.origin, set(p[1])), hn::Ge(slab.origin, set(p[2])), hn::Ge(slab.origin, set(p[3])));
+    axis.step = hn::IfThenElseZero(slab.crosses, hn::IfThenElse(slab.up, set(1.), set(-1.)));
+    axis.cell = hn::IfThenElse(
+      slab.crosses, hn::IfThenElse(slab.up, axis.passed, hn::Sub(set(3.), axis.passed)), stays);
     axis.findNext();
   }
   const auto rayCode = hn::ShiftLeft<32>(hn::Iota(di, begin));
@@ -260,7 +284,7 @@ struct Places
 };
 
 void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  std::uint32_t wanted, OctantCandidates& found)
+  std::uint32_t entering, const BlockEntries& entries, OctantCandidates& found)
 {
   const Tag d;
   const IntTag di;
@@ -271,10 +295,10 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
   for (int begin = 0; begin < OctantCandidates::mostRays; begin += lanes)
   {
     const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(
-      wanted >> begin & ((1u << lanes) - 1)) };
+      entering >> begin & ((1u << lanes) - 1)) };
     if (bits[0] != 0)
     {
-      walk(block, rays, first + begin, hn::LoadMaskBits(d, bits.data()), crossings);
+      walk(block, rays, entries, first, begin, hn::LoadMaskBits(d, bits.data()), crossings);
     }
   }
   const Doubles perWidth =
@@ -352,12 +376,19 @@ HWY_AFTER_NAMESPACE();
 namespace treeamr
 {
 
+HWY_EXPORT(EnterBlock);
 HWY_EXPORT(CrossBlock);
 
-void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  std::uint32_t wanted, OctantCandidates& found) noexcept
+std::uint32_t enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
+  BlockEntries& entries) noexcept
 {
-  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, wanted, found);
+  return HWY_DYNAMIC_DISPATCH(EnterBlock)(block, rays, first, wanted, entries);
+}
+
+void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
+  std::uint32_t entering, const BlockEntries& entries, OctantCandidates& found) noexcept
+{
+  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, entering, entries, found);
 }
 
 } // namespace treeamr

@@ -156,11 +156,24 @@ struct OctantCandidates
   }
 };
 
-/// Adds those in the last block of some of the 16 rays from the first on, and of as many isovalues as mostIsovalues at
-/// most, numbered from firstIsovalue; bit i of wanted: the ray first + i. Those of a ray come in its order, and of an
-/// octant in that of the isovalues.
+/// Where 16 rays are between the planes that narrow a block.
+struct BlockEntries
+{
+  using Component = std::array<double, OctantCandidates::mostRays>;
+  alignas(64) Component t0;
+  alignas(64) Component t1;
+};
+
+/// Which of the 16 rays from the first on come between these planes, before their limits, of those whose bits are set
+/// in `wanted`: the others have nothing to find in the block.
+std::uint32_t enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
+  BlockEntries& entries) noexcept;
+
+/// Adds those in the last block of the rays that enter it, and of as many isovalues as mostIsovalues at most, numbered
+/// from firstIsovalue; entering: as enterBlock() says. Those of a ray come in its order, and of an octant in that of
+/// the isovalues.
 void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  std::uint32_t wanted, OctantCandidates& found) noexcept;
+  std::uint32_t entering, const BlockEntries& entries, OctantCandidates& found) noexcept;
 
 /// Roots of the cubics of candidates.
 struct CandidateRoots
