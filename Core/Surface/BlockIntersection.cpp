@@ -284,32 +284,33 @@ void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double 
     return;
   }
   const CrossedBlock& block = candidates.block(candidate);
-  const SurfaceHit hit{ t, {}, {}, candidates.isovalue(candidate), block.number,
-    candidates.octant(candidate) };
+  const std::uint8_t octant = candidates.octant(candidate);
+  const auto hit = [&] { return SurfaceHit{ t, {}, {}, candidates.isovalue(candidate), block.number, octant }; };
   if (hits.all)
   {
-    addPlace(tile, number, block, candidates.place(candidate, s), hit);
+    hits.all->push_back(hit());
+    addPlace(tile, number, block, octant, candidates.place(candidate, s));
   }
   else if (hits.isNearer(t, block.number))
   {
-    hits.nearest = hit;
+    hits.nearest = hit();
     hits.place = candidates.place(candidate, s);
     tile.rays.limit[number] = t;
   }
 }
 
 void BlockIntersection::addPlace(
-  RayTile& tile, int ray, const CrossedBlock& block, const Vec3& place, const SurfaceHit& hit) const
+  RayTile& tile, int ray, const CrossedBlock& block, int octant, const Vec3& place) const
 {
   HitPlaces& places = tile.places;
-  tile.placed[places.count] = { hit, ray };
-  if (places.withNormals)
-  {
-    places.addNormal(
-      gradients_.record(block.number, *block.record, std::uint64_t(1) << hit.octant), hit.octant);
-  }
-  places.add(*block.record, block.planes, hit.octant, place);
-  if (places.count == HitPlaces::most)
+  const GradientRecord* gradients = places.withNormals
+    ? &gradients_.record(block.number, *block.record, std::uint64_t(1) << octant)
+    : nullptr;
+  const RayHits& hits = tile.hits[ray];
+  tile.placed[places.count] = { ray, hits.all ? hits.all->size() - 1 : 0 };
+  places.add(block, gradients, octant, place);
+  const bool isKept = blocks_.isKept(block.number) && (!gradients || gradients_.isKept(block.number));
+  if (places.count == HitPlaces::most || !isKept)
   {
     takePlaces(tile);
   }
@@ -317,25 +318,24 @@ void BlockIntersection::addPlace(
 
 void BlockIntersection::takePlaces(RayTile& tile) const
 {
-  findNormals(unit(), tile.places);
-  for (int i = 0; i < tile.places.count; ++i)
+  HitPlaces& places = tile.places;
+  findNormals(unit(), places);
+  for (int i = 0; i < places.count; ++i)
   {
-    SurfaceHit& hit = tile.placed[i].hit;
+    RayHits& hits = tile.hits[tile.placed[i].ray];
+    SurfaceHit& hit = hits.all ? (*hits.all)[tile.placed[i].hit] : hits.nearest;
     for (int a = 0; a < 3; ++a)
     {
-      hit.gradient[a] = tile.places.gradient[a][i];
-      hit.normal[a] = static_cast<float>(tile.places.normal[a][i]);
+      hit.gradient[a] = places.gradient[a][i];
+      hit.normal[a] = static_cast<float>(places.normal[a][i]);
     }
+  }
+  for (int i = 0; i < places.count; ++i)
+  {
     const int number = tile.placed[i].ray;
     RayHits& hits = tile.hits[number];
-    if (!hits.all)
-    {
-      hits.nearest = hit;
-      continue;
-    }
-    hits.all->push_back(hit);
     // Not at every hit: to sort them takes time.
-    if (hits.all->size() / 2 >= hits.most)
+    if (hits.all && hits.all->size() / 2 >= hits.most)
     {
       sort(tile.rays.directionOf(number), hits);
       if (hits.all->size() == hits.most)
@@ -344,7 +344,7 @@ void BlockIntersection::takePlaces(RayTile& tile) const
       }
     }
   }
-  tile.places.count = 0;
+  places.count = 0;
 }
 
 void BlockIntersection::prepareGradients(const RayTile& tile) const
@@ -409,7 +409,7 @@ void BlockIntersection::finish(RayTile& tile) const
     }
     else if (hits.any())
     {
-      addPlace(tile, number, opened(hits.nearest.block), hits.place, hits.nearest);
+      addPlace(tile, number, opened(hits.nearest.block), hits.nearest.octant, hits.place);
     }
   }
   takePlaces(tile);

@@ -77,10 +77,10 @@ struct RayTile
   HitPlaces places;
   struct Placed
   {
-    SurfaceHit hit;
     int ray;
+    std::size_t hit; // of all of the ray's
   };
-  std::array<Placed, HitPlaces::most> placed; // at the places
+  std::array<Placed, HitPlaces::most> placed; // whose places these are
 
   std::size_t hitCount() const noexcept
   {
@@ -146,13 +146,13 @@ private:
   /// Finds the roots of the candidates that there are.
   void takeCandidates(RayTile& tile) const;
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;
-  void addPlace(
-    RayTile& tile, int ray, const CrossedBlock& block, const Vec3& place, const SurfaceHit& hit) const;
+  /// Of the ray's last hit, or its nearest.
+  void addPlace(RayTile& tile, int ray, const CrossedBlock& block, int octant, const Vec3& place) const;
   /// Of the nearest hits, block by block.
   void prepareGradients(const RayTile& tile) const;
   /// Of all roots, block by block.
   void prepareGradients(const OctantCandidates& candidates, const CandidateRoots& roots) const;
-  /// Makes hits of the places that there are.
+  /// Gives the hits at the places that there are their gradients and normals.
   void takePlaces(RayTile& tile) const;
 
   const SurfaceBlocks& blocks_;

@@ -242,7 +242,7 @@ inline Vec3 normalAt(const GradientRecord& record, int octant, const Vec3& place
     Corners corners;
     for (int c = 0; c < 8; ++c)
     {
-      corners[c] = record.at(firstVertex(octant) + cornerOffset(c, block::vertexStride), a);
+      corners[c] = record.vertices[firstVertex(octant) + cornerOffset(c, block::vertexStride)][a];
     }
     gradient[a] = trilinear(corners, place);
   }

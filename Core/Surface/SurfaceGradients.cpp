@@ -48,6 +48,7 @@ const GradientRecord& SurfaceGradients::complete(
   };
   if (const GradientRecord* kept = this->find(block))
   {
+    const std::lock_guard lock(adds_[block % lockCount]);
     return with(*kept);
   }
   Worker& own = this->worker();
@@ -71,7 +72,13 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
   Worker& worker, const GradientRecord& record) const noexcept
 {
   const SurfaceBlock& block = blocks_.all()[number];
-  const BlockVertices vertices = verticesOfOctants(octants);
+  BlockVertices vertices = verticesOfOctants(octants);
+  const std::uint64_t ready = record.ready(std::memory_order_relaxed);
+  const BlockVertices known = verticesOfOctants(ready);
+  for (std::size_t z = 0; z < vertices.size(); ++z)
+  {
+    vertices[z] &= ~known[z]; // others read them
+  }
   if (block.depth() < 0 && !blocks_.field().corners())
   {
     worker.gradients = {}; // of a single cell
@@ -96,7 +103,7 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
     }
   };
   // The first octants, which one thread adds before others see the record, decide.
-  if (record.ready(std::memory_order_relaxed) == 0)
+  if (ready == 0)
   {
     double largest = 0.;
     forAll([&](int v) {
@@ -115,8 +122,7 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
     for (int a = 0; a < 3; ++a)
     {
       const double scaled = std::clamp(worker.gradients[v][a] * scale[0] * scale[1], -most, most);
-      std::atomic_ref(record.bits[v][a])
-        .store(std::bit_cast<std::uint32_t>(static_cast<float>(scaled)), std::memory_order_relaxed);
+      record.vertices[v][a] = static_cast<float>(scaled);
     }
   });
   std::atomic_ref(record.octants).fetch_or(octants, std::memory_order_release);

@@ -6,29 +6,31 @@
 #include "Interpolation/BlockGradients.h"
 #include "Surface/SurfaceBlocks.h"
 
-#include <bit>
+#include <array>
+#include <atomic>
 #include <mutex>
 
 namespace treeamr
 {
 
 /// At the vertices of some of a block's octants, in the order of BlockValues and times a power of two of the block's own:
-/// single precision has their digits then, whatever the size of values and cells. Several threads may add octants
-/// while others read those that are ready: a vertex that two of them add gets the same bits.
+/// single precision has their digits then, whatever the size of values and cells. Those of octants that are ready do
+/// not change any more while others are added.
 struct alignas(64) GradientRecord
 {
-  float at(int vertex, int axis) const noexcept
-  {
-    return std::bit_cast<float>(std::atomic_ref(bits[vertex][axis]).load(std::memory_order_relaxed));
-  }
+  using Vertex = std::array<float, 3>; // by axis
+
+  mutable std::array<Vertex, block::vertexCount> vertices;
+
   /// Announces that those of an octant's corners will be read.
   void prefetch(int octant) const noexcept
   {
     const int first = firstVertex(octant);
-    for (const int low : { 0, block::vertexStride[1], block::vertexStride[2], block::vertexStride[1] + block::vertexStride[2] })
+    for (int edge = 0; edge < 4; ++edge)
     {
-      treeamr::prefetch(&bits[first + low]);
-      treeamr::prefetch(&bits[first + low + 1][2]);
+      const int low = first + (edge & 1) * block::vertexStride[1] + (edge >> 1) * block::vertexStride[2];
+      treeamr::prefetch(&vertices[low]);
+      treeamr::prefetch(&vertices[low + 1][2]);
     }
   }
   /// Octants x + 4 y + 16 z.
@@ -37,8 +39,6 @@ struct alignas(64) GradientRecord
 private:
   friend class SurfaceGradients;
 
-  using Bits = std::array<std::uint32_t, 3>; // of floats
-  mutable std::array<Bits, block::vertexCount> bits;
   mutable std::uint64_t octants;
   mutable int exponent; // set before other threads see the record
 };
@@ -65,7 +65,7 @@ public:
       treeamr::prefetch(&numbers_[block]);
     }
   }
-  /// That those of an octant will be read.
+  /// Announces that those of an octant will be read.
   void prefetch(std::uint32_t block, int octant) const noexcept
   {
     if (const GradientRecord* kept = this->find(block))
@@ -81,6 +81,9 @@ public:
     return kept ? !(kept->ready(std::memory_order_relaxed) >> octant & 1)
                 : !isPrepared_.load(std::memory_order_acquire) || !pool_->overflowed();
   }
+
+  /// Whether its record is valid for ever.
+  bool isKept(std::uint32_t block) const noexcept { return this->find(block) != nullptr; }
 
   /// As SurfaceBlocks::startFrame().
   void startFrame() const;
@@ -124,6 +127,9 @@ private:
 
   const SurfaceBlocks& blocks_;
   std::size_t budgetBytes_;
+  /// Of the threads that add to records of blocks with one remainder.
+  static constexpr std::size_t lockCount = 64;
+  mutable std::array<std::mutex, lockCount> adds_;
   mutable std::once_flag prepares_;
   mutable std::atomic<bool> isPrepared_{ false };
   mutable Numbers numbers_;

@@ -8,8 +8,6 @@
 #include "Surface/Kernel/SurfaceKernel.h"
 #include "Surface/Kernel/SurfaceVectors-inl.h"
 
-#include <utility>
-
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
 {
@@ -21,9 +19,86 @@ HWY_INLINE Doubles along(Doubles low, Doubles high, Doubles part)
   return hn::Add(low, hn::Mul(part, hn::Sub(high, low)));
 }
 
+/// Where vectors of three fit one register.
+constexpr bool holdsThree = hn::MaxLanes(hn::CappedTag<double, 4>()) == 4;
+
+/// normalAt() but for its length: all three axes at once.
+HWY_INLINE void interpolate(const HitPlaces& hits, int i, std::array<HitPlaces::Component, 3>& normal)
+{
+  const GradientRecord::Vertex* corners = hits.vertexGradients[i];
+  constexpr auto& stride = block::vertexStride;
+  if constexpr (holdsThree)
+  {
+    const hn::CappedTag<double, 4> d;
+    const hn::Rebind<float, decltype(d)> df;
+    const auto three = hn::FirstN(df, 3);
+    const auto at = [&](int vertex) {
+      return hn::PromoteTo(d, hn::MaskedLoad(three, df, corners[vertex].data()));
+    };
+    const auto along = [](auto low, auto high, auto part) {
+      return hn::Add(low, hn::Mul(part, hn::Sub(high, low)));
+    };
+    const auto x = hn::Set(d, hits.place[0][i]);
+    const auto y = hn::Set(d, hits.place[1][i]);
+    const auto z = hn::Set(d, hits.place[2][i]);
+    const auto onEdge = [&](int first) { return along(at(first), at(first + stride[0]), x); };
+    const auto onFace = [&](int first) { return along(onEdge(first), onEdge(first + stride[1]), y); };
+    HWY_ALIGN double sum[4];
+    hn::Store(along(onFace(0), onFace(stride[2]), z), d, sum);
+    for (int a = 0; a < 3; ++a)
+    {
+      normal[a][i] = sum[a];
+    }
+  }
+  else
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      Corners ofAxis;
+      for (int c = 0; c < 8; ++c)
+      {
+        ofAxis[c] = corners[cornerOffset(c, stride)][a];
+      }
+      normal[a][i] = trilinear(ofAxis, { hits.place[0][i], hits.place[1][i], hits.place[2][i] });
+    }
+  }
+}
+
+/// Of the octants' edges, by axis and in the order of the next one, the differences along them.
+struct EdgeDifferences
+{
+  alignas(64) std::array<std::array<HitPlaces::Component, 4>, 3> at;
+
+  HWY_INLINE explicit EdgeDifferences(const HitPlaces& hits)
+  {
+    for (int i = 0; i < hits.count; ++i)
+    {
+      const double* v = hits.values[i];
+      for (int a = 0; a < 3; ++a)
+      {
+        const int step = block::vertexStride[a];
+        const int b = block::vertexStride[(a + 1) % 3];
+        const int c = block::vertexStride[(a + 2) % 3];
+        at[a][0][i] = v[step] - v[0];
+        at[a][1][i] = v[step + b] - v[b];
+        at[a][2][i] = v[step + c] - v[c];
+        at[a][3][i] = v[step + b + c] - v[b + c];
+      }
+    }
+  }
+};
+
 void FindNormals(const Vec3& width, HitPlaces& hits)
 {
   const Tag d;
+  const EdgeDifferences differences(hits);
+  if (hits.withNormals)
+  {
+    for (int i = 0; i < hits.count; ++i)
+    {
+      interpolate(hits, i, hits.normal);
+    }
+  }
   for (int i = 0; i < hits.count; i += lanes)
   {
     Vectors3 place;
@@ -33,30 +108,24 @@ void FindNormals(const Vec3& width, HitPlaces& hits)
     }
     for (int a = 0; a < 3; ++a)
     {
-      const auto at = [&](int edge) { return hn::Load(d, &hits.difference[a][edge][i]); };
+      const auto at = [&](int edge) { return hn::Load(d, &differences.at[a][edge][i]); };
       const Doubles atB = place[(a + 1) % 3];
       const Doubles difference =
         along(along(at(0), at(1), atB), along(at(2), at(3), atB), place[(a + 2) % 3]);
       const Doubles slope = hn::Mul(difference, hn::Load(d, &hits.inverseWidth[a][i]));
       hn::Store(hn::Div(slope, set(width[a])), d, &hits.gradient[a][i]);
     }
-    Vectors3 normal{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
-    if (hits.withNormals)
-    {
-      for (int a = 0; a < 3; ++a)
-      {
-        const auto onEdge = [&](int edge) {
-          return along(hn::Load(d, &hits.vertexGradient[a][2 * edge][i]),
-            hn::Load(d, &hits.vertexGradient[a][2 * edge + 1][i]), place[0]);
-        };
-        normal[a] =
-          along(along(onEdge(0), onEdge(1), place[1]), along(onEdge(2), onEdge(3), place[1]), place[2]);
-      }
-      normal = normalizedVectors(normal);
-    }
+    const Mask valid =
+      hn::FirstN(d, hits.withNormals ? static_cast<std::size_t>(hits.count - i) : std::size_t(0));
+    Vectors3 normal;
     for (int a = 0; a < 3; ++a)
     {
-      hn::Store(normal[a], d, &hits.normal[a][i]);
+      normal[a] = hn::IfThenElse(valid, hn::Load(d, &hits.normal[a][i]), set(1.));
+    }
+    normal = normalizedVectors(normal);
+    for (int a = 0; a < 3; ++a)
+    {
+      hn::Store(hn::IfThenElseZero(valid, normal[a]), d, &hits.normal[a][i]);
     }
   }
 }
@@ -74,42 +143,6 @@ HWY_EXPORT(FindNormals);
 void findNormals(const Vec3& width, HitPlaces& hits) noexcept
 {
   HWY_DYNAMIC_DISPATCH(FindNormals)(width, hits);
-}
-
-void HitPlaces::addNormal(const GradientRecord& record, int octant) noexcept
-{
-  // Unrolled: with offsets that the compiler knows it takes a third of the instructions.
-  const int first = firstVertex(octant);
-  const auto take = [&]<int Corner>() {
-    constexpr int offset = cornerOffset(Corner, block::vertexStride);
-    vertexGradient[0][Corner][count] = record.at(first + offset, 0);
-    vertexGradient[1][Corner][count] = record.at(first + offset, 1);
-    vertexGradient[2][Corner][count] = record.at(first + offset, 2);
-  };
-  [&]<int... Corner>(std::integer_sequence<int, Corner...>)
-  {
-    (take.template operator()<Corner>(), ...);
-  }
-  (std::make_integer_sequence<int, 8>());
-}
-
-void HitPlaces::add(
-  const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& at) noexcept
-{
-  const double* v = record.values.data() + firstVertex(octant);
-  for (int a = 0; a < 3; ++a)
-  {
-    const int step = block::vertexStride[a];
-    const int b = block::vertexStride[(a + 1) % 3];
-    const int c = block::vertexStride[(a + 2) % 3];
-    difference[a][0][count] = v[step] - v[0];
-    difference[a][1][count] = v[step + b] - v[b];
-    difference[a][2][count] = v[step + c] - v[c];
-    difference[a][3][count] = v[step + b + c] - v[b + c];
-    inverseWidth[a][count] = planes.inverseWidth[a][octant >> 2 * a & 3];
-    place[a][count] = at[a];
-  }
-  ++count;
 }
 
 } // namespace treeamr

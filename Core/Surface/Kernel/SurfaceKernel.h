@@ -189,26 +189,34 @@ struct CandidateRoots
 /// Finds those that visitRoots() visits, in its order, of one candidate after the other; firstOnly: one of each.
 void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoots& found) noexcept;
 
-/// What the gradients and normals of some hits need, by component, and these; see gradientAt() and normalAt().
+/// The places of some hits, side by side, and their gradients and normals; see gradientAt() and normalAt().
 struct HitPlaces
 {
   static constexpr int most = 16;
   using Component = std::array<double, most>;
   int count = 0;
   bool withNormals = true; // else they are 0
-  /// By axis: differences of the octant's vertex values along the four edges, in the order of the next axis, and
-  /// reciprocal width.
-  alignas(64) std::array<std::array<Component, 4>, 3> difference;
-  alignas(64) std::array<Component, 3> inverseWidth;
-  alignas(64) std::array<std::array<Component, 8>, 3> vertexGradient; // by axis, of the octant's corners
+  /// Of the octant's first corner: the others' are in the order of the block's vertices.
+  std::array<const double*, most> values;
+  std::array<const GradientRecord::Vertex*, most> vertexGradients; // with normals
+  alignas(64) std::array<Component, 3> inverseWidth; // of the octant
   alignas(64) std::array<Component, 3> place;
   alignas(64) std::array<Component, 3> gradient; // as SurfaceHit's
   alignas(64) std::array<Component, 3> normal;
 
-  /// Sets what the normal at the place that is added next needs.
-  void addNormal(const GradientRecord& record, int octant) noexcept;
-  /// Adds a place in an octant.
-  void add(const SurfaceRecord& record, const BlockPlanes& planes, int octant, const Vec3& at) noexcept;
+  /// Adds a place in an octant. The records must be there until the normals are found. gradients: null without
+  /// normals.
+  void add(const CrossedBlock& block, const GradientRecord* gradients, int octant, const Vec3& at) noexcept
+  {
+    values[count] = block.record->values.data() + firstVertex(octant);
+    vertexGradients[count] = gradients ? &gradients->vertices[firstVertex(octant)] : nullptr;
+    for (int a = 0; a < 3; ++a)
+    {
+      inverseWidth[a][count] = block.planes.inverseWidth[a][octant >> 2 * a & 3];
+      place[a][count] = at[a];
+    }
+    ++count;
+  }
 };
 
 /// Finds them. width: of the planes' units, in data coordinates.
