@@ -6,6 +6,7 @@
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <bit>
@@ -58,6 +59,16 @@ void forBits(std::uint32_t bits, const Body& body)
   }
 }
 
+/// For so many at least; what it has besides comes from a frame before, and takes no time to make.
+void makeRoom(LargeVector<SurfaceHit>& hits, std::size_t count)
+{
+  if (count > hits.size())
+  {
+    hits.reserve(count > hits.capacity() ? std::max(count, hits.size() + hits.size() / 4) : count);
+    hits.resize(count);
+  }
+}
+
 /// The tiles of an image.
 class ImageTiles
 {
@@ -71,15 +82,28 @@ public:
   }
 
   std::size_t pixels() const noexcept { return static_cast<std::size_t>(width_) * height_; }
-  std::size_t count() const noexcept { return static_cast<std::size_t>(columns_) * rows_; }
-  std::size_t number(int i, int j) const noexcept { return static_cast<std::size_t>(j) * columns_ + i; }
+  int rows() const noexcept { return rows_; }
+  /// So many rows that each thread has some tiles of them.
+  int rowsTogether() const noexcept
+  {
+    constexpr int tilesOfThread = 32;
+    return std::min(rows_, 1 + tilesOfThread * tbb::this_task_arena::max_concurrency() / columns_);
+  }
+  std::size_t ofRows(int rows) const noexcept { return static_cast<std::size_t>(rows) * columns_; }
+  /// Of the tiles from a row on.
+  std::size_t number(int i, int j, int firstRow) const noexcept { return ofRows(j - firstRow) + i; }
+  /// The first pixel of a row of tiles.
+  std::size_t firstPixel(int row) const noexcept
+  {
+    return static_cast<std::size_t>(std::min(row * RayTile::size, height_)) * width_;
+  }
 
-  /// Calls body(column, row) for all of them, on all threads.
+  /// Calls body(column, row) for all of some rows, on all threads.
   template <class Body>
-  void forAll(const Body& body) const
+  void forAll(int firstRow, int endRow, const Body& body) const
   {
     tbb::parallel_for(
-      tbb::blocked_range2d<int>(0, rows_, 0, columns_), [&](const tbb::blocked_range2d<int>& range) {
+      tbb::blocked_range2d<int>(firstRow, endRow, 0, columns_), [&](const tbb::blocked_range2d<int>& range) {
         for (int j = range.rows().begin(); j < range.rows().end(); ++j)
         {
           for (int i = range.cols().begin(); i < range.cols().end(); ++i)
@@ -324,9 +348,8 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
   const Bounds box = impl_->blocks.field().octree().grid().bounds();
   const bool isCut = !camera.seesAllDepthsOf(box.min, box.max);
   const ImageTiles tiles(camera.width(), camera.height());
-  std::vector<std::vector<SurfaceHit>> parts(tiles.count());
   image.first.assign(tiles.pixels() + 1, 0);
-  tiles.forAll([&](int i, int j) {
+  const auto trace = [&](int i, int j, std::vector<SurfaceHit>& found) {
     RayTile& tile = impl_->tile();
     tile.places.withNormals = normals == SurfaceNormals::Smooth;
     std::array<std::size_t, RayTile::most> pixelOf;
@@ -340,7 +363,7 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
       impl_->hierarchy.intersect(tile);
       impl_->intersection.finish(tile);
     }
-    std::vector<SurfaceHit>& found = parts[tiles.number(i, j)];
+    found.clear();
     found.reserve(tile.hitCount());
     for (int k = 0; k < tile.count; ++k)
     {
@@ -356,20 +379,29 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
       }
       image.first[pixelOf[k] + 1] = found.size() - before;
     }
-  });
-  for (std::size_t p = 0; p < tiles.pixels(); ++p)
+  };
+  // Of many hits those of a few rows at a time, which caches hold until they are in the image.
+  const int rows = most == 1 ? tiles.rows() : tiles.rowsTogether();
+  std::vector<std::vector<SurfaceHit>> parts(tiles.ofRows(rows));
+  for (int row = 0; row < tiles.rows(); row += rows)
   {
-    image.first[p + 1] += image.first[p];
+    const int end = std::min(row + rows, tiles.rows());
+    tiles.forAll(row, end, [&](int i, int j) { trace(i, j, parts[tiles.number(i, j, row)]); });
+    for (std::size_t p = tiles.firstPixel(row); p < tiles.firstPixel(end); ++p)
+    {
+      image.first[p + 1] += image.first[p];
+    }
+    makeRoom(image.hits, image.first[tiles.firstPixel(end)]);
+    tiles.forAll(row, end, [&](int i, int j) {
+      auto next = parts[tiles.number(i, j, row)].begin();
+      tiles.forPixels(i, j, [&](std::size_t pixel) {
+        const auto count = static_cast<std::ptrdiff_t>(image.first[pixel + 1] - image.first[pixel]);
+        std::copy(next, next + count, image.hits.begin() + static_cast<std::ptrdiff_t>(image.first[pixel]));
+        next += count;
+      });
+    });
   }
   image.hits.resize(image.first[tiles.pixels()]);
-  tiles.forAll([&](int i, int j) {
-    auto next = parts[tiles.number(i, j)].begin();
-    tiles.forPixels(i, j, [&](std::size_t pixel) {
-      const auto count = static_cast<std::ptrdiff_t>(image.first[pixel + 1] - image.first[pixel]);
-      std::copy(next, next + count, image.hits.begin() + static_cast<std::ptrdiff_t>(image.first[pixel]));
-      next += count;
-    });
-  });
 }
 
 CellId Isosurface::cell(const SurfaceHit& hit) const noexcept
