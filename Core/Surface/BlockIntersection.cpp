@@ -180,17 +180,19 @@ std::uint32_t BlockIntersection::intersect(
   {
     return 0;
   }
+  const bool wasKept = blocks_.isKept(number); // else it may be by another thread now, but not this record
   block.record = &blocks_.record(number);
   block.record->prefetch();
   const bool all = tile.hits[first].all;
-  if (all && tile.places.withNormals)
+  const bool withNormals = all && tile.places.withNormals;
+  if (withNormals)
   {
     gradients_.prefetch(number);
   }
   ++candidates.blockCount;
   const int before = candidates.count;
   cross(tile, first, entering, entries);
-  if (all && tile.places.withNormals)
+  if (withNormals)
   {
     for (int i = before; i < candidates.count; ++i)
     {
@@ -199,7 +201,7 @@ std::uint32_t BlockIntersection::intersect(
   }
   candidates.dropEmptyBlock();
   // Those of all layers wait until there are many, unless the next block takes the place of the values.
-  if (!tile.hits[first].all || candidates.count >= OctantCandidates::enough || !blocks_.isKept(number))
+  if (!all || candidates.count >= OctantCandidates::enough || !wasKept)
   {
     takeCandidates(tile);
     candidates.blockCount = 0;
@@ -303,14 +305,17 @@ void BlockIntersection::addPlace(
   RayTile& tile, int ray, const CrossedBlock& block, int octant, const Vec3& place) const
 {
   HitPlaces& places = tile.places;
-  const GradientRecord* gradients = places.withNormals
-    ? &gradients_.record(block.number, *block.record, std::uint64_t(1) << octant)
-    : nullptr;
+  const GradientRecord* gradients = nullptr;
+  bool wasKept = true; // else the next ones may take their place
+  if (places.withNormals)
+  {
+    wasKept = gradients_.isKept(block.number);
+    gradients = &gradients_.record(block.number, *block.record, std::uint64_t(1) << octant);
+  }
   const RayHits& hits = tile.hits[ray];
   tile.placed[places.count] = { ray, hits.all ? hits.all->size() - 1 : 0 };
   places.add(block, gradients, octant, place);
-  const bool isKept = blocks_.isKept(block.number) && (!gradients || gradients_.isKept(block.number));
-  if (places.count == HitPlaces::most || !isKept)
+  if (places.count == HitPlaces::most || !wasKept)
   {
     takePlaces(tile);
   }
@@ -409,7 +414,12 @@ void BlockIntersection::finish(RayTile& tile) const
     }
     else if (hits.any())
     {
+      const bool wasKept = blocks_.isKept(hits.nearest.block);
       addPlace(tile, number, opened(hits.nearest.block), hits.nearest.octant, hits.place);
+      if (!wasKept)
+      {
+        takePlaces(tile); // before the next values take the place of these
+      }
     }
   }
   takePlaces(tile);

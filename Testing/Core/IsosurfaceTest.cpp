@@ -425,6 +425,29 @@ TEST(Isosurface, HitsDoNotDependOnTheBudget)
   ASSERT_GT(all.statistics().gradientBytes, 3 * budget);
 }
 
+TEST(Isosurface, GradientsHaveTheMemoryThatValuesLeave)
+{
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-1.f, 1.f);
+  std::vector<LeafCell> cells;
+  for (Coord i = 0; i < 32 * 32 * 32; ++i)
+  {
+    cells.push_back({ { { i & 31, i >> 5 & 31, i >> 10 }, 5 }, uniform(random) });
+  }
+  const auto field = makeField(RootGrid::uniform({ 1, 1, 1 }, { 0., 0., 0. }, { 4., 4., 4. }), cells);
+  const std::size_t values = Isosurface(field, { 0. }).statistics().blocks << 10;
+  const std::size_t budget = 2 * values;
+  const Isosurface surface(field, { 0. }, budget);
+  const Camera camera(
+    multiply(perspective(40., 1., 30.), lookAt({ 11., 4., 2. }, { 2., 2., 2. })), identityMatrix, 100, 100);
+  HitImage hits;
+  surface.render(camera, SurfaceLayers::All, hits);
+  ASSERT_GT(hits.hits.size(), 50000u);
+  const IsosurfaceStatistics statistics = surface.statistics();
+  EXPECT_GT(statistics.gradientBytes, budget / 2 + values / 4);
+  EXPECT_LE(statistics.keptBytes + statistics.gradientBytes, budget + budget / 2 + 4 * statistics.blocks + 1024);
+}
+
 TEST(Isosurface, HasNoNormalsUnasked)
 {
   const RandomTree options{ 12, { 2, 1, 1 }, 5, 0.6, 0.1, false };
