@@ -287,7 +287,9 @@ void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double 
   }
   const CrossedBlock& block = candidates.block(candidate);
   const std::uint8_t octant = candidates.octant(candidate);
-  const auto hit = [&] { return SurfaceHit{ t, {}, {}, candidates.isovalue(candidate), block.number, octant }; };
+  const auto hit = [&] {
+    return SurfaceHit{ t, {}, {}, candidates.isovalue(candidate), block.number, octant };
+  };
   if (hits.all)
   {
     hits.all->push_back(hit());
@@ -378,7 +380,8 @@ void BlockIntersection::prepareGradients(const RayTile& tile) const
   }
 }
 
-void BlockIntersection::prepareGradients(const OctantCandidates& candidates, const CandidateRoots& roots) const
+void BlockIntersection::prepareGradients(
+  const OctantCandidates& candidates, const CandidateRoots& roots) const
 {
   for (int i = 0; i < roots.count;)
   {

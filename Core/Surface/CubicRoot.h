@@ -47,7 +47,7 @@ inline double closeBracket(const Cubic& c, double a, double b, double atA, doubl
     const double newton = s - f / slope;
     const bool isNewton = newton > a && newton < b;
     const double next = isNewton ? newton : 0.5 * (a + b);
-    // What a step of Newton leaves is the square of its length times half the ratio of the second derivative to the first.
+    // A step of Newton leaves the square of its length times half the ratio of the second derivative to the first.
     const double change = next - s;
     const double steep = std::abs(slope);
     const bool isExact =

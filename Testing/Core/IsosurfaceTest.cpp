@@ -445,7 +445,8 @@ TEST(Isosurface, GradientsHaveTheMemoryThatValuesLeave)
   ASSERT_GT(hits.hits.size(), 50000u);
   const IsosurfaceStatistics statistics = surface.statistics();
   EXPECT_GT(statistics.gradientBytes, budget / 2 + values / 4);
-  EXPECT_LE(statistics.keptBytes + statistics.gradientBytes, budget + budget / 2 + 4 * statistics.blocks + 1024);
+  EXPECT_LE(
+    statistics.keptBytes + statistics.gradientBytes, budget + budget / 2 + 4 * statistics.blocks + 1024);
 }
 
 TEST(Isosurface, HasNoNormalsUnasked)

@@ -157,8 +157,7 @@ struct RootSearch
       const Doubles before = values[piece];
       const Doubles after = hn::IfThenElse(pieces.isLast[piece], last, cubics.at(knots[piece + 1]));
       const Mask differs = hn::Xor(hn::Lt(before, zero), hn::Lt(after, zero));
-      isBracket[piece] =
-        hn::And(hn::And(open, differs), hn::And(hn::Ne(before, zero), hn::Ne(after, zero)));
+      isBracket[piece] = hn::And(hn::And(open, differs), hn::And(hn::Ne(before, zero), hn::Ne(after, zero)));
       s[piece + 1] = knots[piece + 1];
       isRoot[piece + 1] = hn::Or(isBracket[piece], hn::And(open, hn::Eq(after, zero)));
       found(isRoot[piece + 1]);

@@ -199,7 +199,7 @@ struct HitPlaces
   /// Of the octant's first corner: the others' are in the order of the block's vertices.
   std::array<const double*, most> values;
   std::array<const GradientRecord::Vertex*, most> vertexGradients; // with normals
-  alignas(64) std::array<Component, 3> inverseWidth; // of the octant
+  alignas(64) std::array<Component, 3> inverseWidth;               // of the octant
   alignas(64) std::array<Component, 3> place;
   alignas(64) std::array<Component, 3> gradient; // as SurfaceHit's
   alignas(64) std::array<Component, 3> normal;
