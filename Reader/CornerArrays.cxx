@@ -7,7 +7,10 @@
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationDoubleVectorKey.h"
+#include "vtkInformationInformationVectorKey.h"
 #include "vtkInformationIntegerKey.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
 
 #include <algorithm>
 #include <array>
@@ -80,8 +83,19 @@ void setCornerRanges(vtkHyperTreeGrid& grid)
       array->GetFiniteRange(range.data(), c);
       all = { std::min(all[0], range[0]), std::max(all[1], range[1]) };
     }
-    array->GetInformation()->Set(vtkDataArray::L2_NORM_RANGE(), all.data(), 2);
-    array->GetInformation()->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), all.data(), 2);
+    vtkInformation* const info = array->GetInformation();
+    info->Set(vtkDataArray::L2_NORM_RANGE(), all.data(), 2);
+    info->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), all.data(), 2);
+    for (auto* const key : { vtkAbstractArray::PER_COMPONENT(), vtkAbstractArray::PER_FINITE_COMPONENT() })
+    {
+      vtkNew<vtkInformationVector> ofComponents;
+      ofComponents->SetNumberOfInformationObjects(cornerCount);
+      for (int c = 0; c < cornerCount; ++c)
+      {
+        ofComponents->GetInformationObject(c)->Set(vtkDataArray::COMPONENT_RANGE(), all.data(), 2);
+      }
+      info->Set(key, ofComponents);
+    }
   }
 }
 
@@ -90,26 +104,50 @@ int fieldComponents(vtkDataArray& array)
   return isAtCorners(array) ? 1 : array.GetNumberOfComponents();
 }
 
+void CornerRemarks::add(vtkDataArray& array, const Field& field)
+{
+  const auto addTo = [&](Kind& kind, double difference) {
+    if (difference > 0. && std::ranges::find(kind.arrays, array.GetName()) == kind.arrays.end())
+    {
+      kind.arrays.emplace_back(array.GetName());
+      kind.largest = std::max(kind.largest, difference);
+    }
+  };
+  addTo(jumping_, field.cornerJump());
+  addTo(hanging_, field.cornerJump() > 0. || !field.corners() ? 0. : field.corners()->hangingChange());
+}
+
+std::vector<Remark> CornerRemarks::all() const
+{
+  std::vector<Remark> remarks;
+  const auto add = [&](const Kind& kind, const char* where, const char* what) {
+    if (!kind.arrays.empty())
+    {
+      std::string names;
+      for (const std::string& name : kind.arrays)
+      {
+        names += (names.empty() ? "'" : ", '") + name + "'";
+      }
+      const std::string about = std::string("hyper tree grid: the values of cell array") +
+        (kind.arrays.size() > 1 ? "s " : " ") + names + " at corners that " + where;
+      std::ostringstream text;
+      text << about << " differ by up to " << kind.largest << what;
+      remarks.push_back({ about, text.str() });
+    }
+  };
+  add(jumping_, "cells share",
+    " from cell to cell (an element that is not continuous): the means of the cells are used instead");
+  add(hanging_, "hang on larger cells",
+    " from what these have there, as those of elements of higher order do: the larger cells' are used");
+  return remarks;
+}
+
 Remark unevenCorners(vtkDataArray& array, const Field& field)
 {
-  const std::string about =
-    "hyper tree grid: the values of cell array '" + std::string(array.GetName()) + "'";
-  std::ostringstream text;
-  if (field.cornerJump() > 0.)
-  {
-    text << about << " at corners that cells share differ by up to " << field.cornerJump()
-         << " from cell to cell (an element that is not continuous): the means of the cells are used instead";
-    return { about + " at corners", text.str() };
-  }
-  const double change = field.corners() ? field.corners()->hangingChange() : 0.;
-  if (change > 0.)
-  {
-    text
-      << about << " at corners that hang on larger cells differ by up to " << change
-      << " from what these have there, as those of elements of higher order do: the larger cells' are used";
-    return { about + " at hanging corners", text.str() };
-  }
-  return {};
+  CornerRemarks remarks;
+  remarks.add(array, field);
+  const std::vector<Remark> all = remarks.all();
+  return all.empty() ? Remark{} : all.front();
 }
 
 } // namespace treeamr

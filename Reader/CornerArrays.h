@@ -9,6 +9,9 @@
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
 
+#include <string>
+#include <vector>
+
 class vtkInformationIntegerKey;
 
 namespace treeamr
@@ -25,15 +28,34 @@ VTKTREEAMRREADER_EXPORT void markAsCorners(vtkDataArray& array);
 /// Whether an array has the mark.
 VTKTREEAMRREADER_EXPORT bool isAtCorners(vtkDataArray& array);
 
-/// Gives the cell arrays of values at corners the hull of these as the range of their magnitude, which ParaView colours by
-/// where nobody chose a component. Copies of an array do not have it.
+/// Gives the cell arrays of values at corners the hull of these as the range of their magnitude and of each component, which
+/// ParaView colours by: whichever is chosen, the scalar that all of them are is drawn. Copies of an array do not have it.
 VTKTREEAMRREADER_EXPORT void setCornerRanges(vtkHyperTreeGrid& grid);
 
 /// Of the field that an array stands for: 1 of values at corners.
 VTKTREEAMRREADER_EXPORT int fieldComponents(vtkDataArray& array);
 
-/// Of a field of values at corners where cells disagree, so that their means are used; or whose hanging corners do not
-/// have the values of the larger cells beside them. array: its own.
+/// Of fields of values at corners where cells disagree, so that their means are used; or whose hanging corners do not
+/// have the values of the larger cells beside them.
+class CornerRemarks
+{
+public:
+  /// array: the field's own.
+  void add(vtkDataArray& array, const Field& field);
+  /// One of each kind for all arrays.
+  std::vector<Remark> all() const;
+
+private:
+  struct Kind
+  {
+    std::vector<std::string> arrays;
+    double largest = 0.; // difference
+  };
+  Kind jumping_;
+  Kind hanging_;
+};
+
+/// Of a single field.
 VTKTREEAMRREADER_EXPORT Remark unevenCorners(vtkDataArray& array, const Field& field);
 
 } // namespace treeamr

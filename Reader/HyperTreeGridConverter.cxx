@@ -386,7 +386,7 @@ vtkDataArray& numericCellArray(vtkHyperTreeGrid& grid, const std::string& name)
     }
   }
   throw Error("hyper tree grid: cell array '" + name + "' does not exist; there are: " +
-    (names.empty() ? "none; give the cells an array of numbers (a forest: by its reader's Payload)"
+    (names.empty() ? "none; give the cells an array of numbers"
                    : names + "; select one of them"));
 }
 

@@ -5,6 +5,7 @@
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
+#include "MergedGrid.h"
 #include "OnceReporter.h"
 
 #include "Contour/Contour.h"
@@ -12,6 +13,7 @@
 #include "Interpolation/Sampler.h"
 #include "Surface/SurfaceFrame.h"
 
+#include "vtkAppendPolyData.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
@@ -183,10 +185,11 @@ std::vector<float> SampleEach(
   return values;
 }
 
-/// A cell array at all points. warn(remark): what there is to say of it.
+/// A cell array at all points. corners: what there is to say of its own; warn(remark): what else there is.
 template <class Warn>
 vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::string& name,
-  const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count, const Warn& warn)
+  const treeamr::Octree& octree, const std::vector<Surface>& surfaces, vtkIdType count,
+  treeamr::CornerRemarks& corners, const Warn& warn)
 {
   vtkDataArray* cells = input->GetCellData()->GetArray(name.c_str());
   const int components = cells ? treeamr::fieldComponents(*cells) : 0;
@@ -194,7 +197,7 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   for (int c = 0; !cells || (c < components && count > 0); ++c)
   {
     const auto field = treeamr::acquireField(input, { name, c }); // throws without the array
-    warn(treeamr::unevenCorners(*cells, *field));
+    corners.add(*cells, *field);
     warn(treeamr::narrowRange(*cells, *field));
     warn(treeamr::roundedIntegers(*cells, *field));
     for (const Surface& surface : surfaces)
@@ -301,23 +304,19 @@ vtkMTimeType vtkTreeAMRContourFilter::GetMTime()
 int vtkTreeAMRContourFilter::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkHyperTreeGrid");
+  // Named too, or else the executive would hand over the blocks one after the other.
+  info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
   return 1;
 }
 
 int vtkTreeAMRContourFilter::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  vtkHyperTreeGrid* input = vtkHyperTreeGrid::GetData(inputVector[0]);
+  vtkDataObject* input = vtkDataObject::GetData(inputVector[0]);
   vtkPolyData* output = vtkPolyData::GetData(outputVector);
   try
   {
-    vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
-    input->InitializeTreeIterator(trees);
-    vtkIdType unused;
-    if (trees.GetNextTree(unused))
-    {
-      this->Contour(input, output);
-    }
+    this->ContourAll(input, output);
     this->Warnings->endRound();
   }
   catch (const std::exception& e)
@@ -329,13 +328,65 @@ int vtkTreeAMRContourFilter::RequestData(
   return 1;
 }
 
+// Grids on one lattice as one, without seams; others one by one.
+void vtkTreeAMRContourFilter::ContourAll(vtkDataObject* input, vtkPolyData* output)
+{
+  const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
+  for (const std::string& block : treeamr::blocksOfOtherKinds(input))
+  {
+    const std::string text = "contour: " + block + ", which is left out";
+    this->Warn({ text, text });
+  }
+  if (grids.size() < 2)
+  {
+    if (!grids.empty())
+    {
+      this->Contour(grids[0].grid, output); // not a copy, of which nothing is known from times before
+    }
+    return;
+  }
+  vtkNew<vtkHyperTreeGrid> merged;
+  std::string objection;
+  try
+  {
+    for (const std::string& array : treeamr::mergeGrids(grids, merged))
+    {
+      const std::string text = "contour: left out of the grids of the collection: " + array;
+      this->Warn({ text, text });
+    }
+  }
+  catch (const treeamr::Error& e)
+  {
+    objection = e.what();
+  }
+  if (objection.empty())
+  {
+    this->Contour(merged, output);
+    return;
+  }
+  const std::string text = "contour: the grids of the collection are contoured one by one, with gaps between "
+                           "them, for they cannot be made one: " +
+    objection;
+  this->Warn({ text, text });
+  vtkNew<vtkAppendPolyData> all;
+  for (const treeamr::NamedGrid& grid : grids)
+  {
+    vtkNew<vtkPolyData> part;
+    this->Contour(grid.grid, part);
+    all->AddInputData(part);
+  }
+  all->Update();
+  output->ShallowCopy(all->GetOutput());
+}
+
 void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* output)
 {
   const std::string contouredName =
     NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
   const auto field = treeamr::acquireField(input, { contouredName, this->Component });
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
-  this->Warn(treeamr::unevenCorners(*contoured, *field));
+  treeamr::CornerRemarks corners;
+  corners.add(*contoured, *field);
   this->Warn(treeamr::narrowRange(*contoured, *field));
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;
@@ -398,13 +449,17 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
     }
     try
     {
-      pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points,
+      pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points, corners,
         [this](const treeamr::Remark& remark) { this->Warn(remark); }));
     }
     catch (const treeamr::Error& e)
     {
       this->Warn({ e.what(), e.what() });
     }
+  }
+  for (const treeamr::Remark& remark : corners.all())
+  {
+    this->Warn(remark);
   }
 }
 

@@ -134,6 +134,7 @@ private:
   vtkTreeAMRContourFilter(const vtkTreeAMRContourFilter&) = delete;
   void operator=(const vtkTreeAMRContourFilter&) = delete;
 
+  void ContourAll(vtkDataObject* input, vtkPolyData* output);
   void Contour(vtkHyperTreeGrid* input, vtkPolyData* output);
   void Warn(const treeamr::Remark& remark);
 

@@ -5,9 +5,11 @@
 
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
+#include "vtkPointData.h"
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <vector>
 
 vtkStandardNewMacro(vtkTreeAMRFromUnstructured);
@@ -56,6 +58,34 @@ void vtkTreeAMRFromUnstructured::Convert(const std::vector<vtkDataObject*>& piec
   }
   const treeamr::BlockArrays arrays =
     treeamr::arraysOf(blocks, [this](const std::string& array) { return this->IsWanted(array); });
+  this->WarnOfUnknownArrays(arrays);
   treeamr::makeGrid(blocks, arrays, output);
   this->WarnOfArrays(arrays);
+}
+
+void vtkTreeAMRFromUnstructured::WarnOfUnknownArrays(const treeamr::BlockArrays& arrays)
+{
+  std::set<std::string> known;
+  for (const treeamr::NamedDataSet& block : arrays.blocks)
+  {
+    for (int i = 0; block.points && i < block.points->GetNumberOfArrays(); ++i)
+    {
+      const char* const name = block.points->GetArrayName(i);
+      known.insert(name ? name : "");
+    }
+  }
+  std::string names;
+  for (const std::string& name : known)
+  {
+    names += name.empty() ? "" : (names.empty() ? "'" : ", '") + name + "'";
+  }
+  for (int i = 0; i < this->PointDataArraySelection->GetNumberOfArrays(); ++i)
+  {
+    const std::string name = this->PointDataArraySelection->GetArrayName(i);
+    if (this->PointDataArraySelection->GetArraySetting(i) && !known.contains(name))
+    {
+      this->Warn("no array of points is '" + name + "', which is selected; there are " +
+        (names.empty() ? "none" : names) + ".");
+    }
+  }
 }

@@ -67,6 +67,7 @@ protected:
 
 private:
   bool IsWanted(const std::string& array);
+  void WarnOfUnknownArrays(const treeamr::BlockArrays& arrays);
 
   vtkNew<vtkDataArraySelection> PointDataArraySelection;
   bool SelectionIsFinal = false;

@@ -19,6 +19,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
+#include <cctype>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -50,9 +51,20 @@ std::string RemarkOnPlaces(const P4estForestFile& file, const treeamr::UnitBoxes
   const treeamr::UnitBoxes unsaid;
   return file.connectivity().vertices.empty() && boxes.origin == unsaid.origin &&
       boxes.spacing == unsaid.spacing
-    ? "it says how its trees are joined but not where they are, so that they are unit cubes: set Origin and "
-      "Spacing to where the first one begins and how wide each is. "
+    ? "the file says how its trees are joined but not where they are, so that they are unit cubes: set "
+      "Origin "
+      "and Spacing to where the first one begins and how wide each is."
     : "";
+}
+
+// As the first word of a sentence.
+std::string Capitalised(std::string text, bool isSentence)
+{
+  if (isSentence && !text.empty())
+  {
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  }
+  return text;
 }
 
 // Of a text property.
@@ -339,7 +351,10 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   const vtkIdType nodes = builder.nodeCount();
 
   const treeamr::PayloadReading payload = input.readPayload(TextOf(this->Payload));
-  this->Remark(file.path(), RemarkOnPlaces(file, boxes) + payload.remark);
+  const std::string ofPlaces = RemarkOnPlaces(file, boxes);
+  this->Remark(file.path(),
+    ofPlaces + (ofPlaces.empty() || payload.remark.empty() ? "" : " ") +
+      Capitalised(payload.remark, !ofPlaces.empty()));
 
   const auto ofFiles = treeamr::parseQuadrantArrays(TextOf(this->QuadrantArrays));
   const std::vector<std::string> names = ArrayNames(payload.fields, ofFiles, this->GenerateLevel);

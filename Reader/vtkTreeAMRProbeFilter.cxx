@@ -5,6 +5,7 @@
 #include "FilteredArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
+#include "MergedGrid.h"
 #include "OnceReporter.h"
 
 #include "Error.h"
@@ -33,6 +34,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -108,10 +110,11 @@ void SampleComponent(const treeamr::Sampler& sampler, double offset, vtkDataSet*
 }
 
 /// A cell array at all points, from one field after the other. Marks points inside its cells in `valid`. octrees: keeps
-/// those of the fields for the next arrays, as the cache does not. remarks: gets what there is to say.
+/// those of the fields for the next arrays, as the cache does not. corners, remarks: get what there is to say.
 ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::string& name,
   treeamr::InterpolationMethod method, bool gradients, std::vector<char>& valid,
-  std::vector<std::shared_ptr<const treeamr::Octree>>& octrees, std::vector<treeamr::Remark>& remarks)
+  std::vector<std::shared_ptr<const treeamr::Octree>>& octrees, treeamr::CornerRemarks& corners,
+  std::vector<treeamr::Remark>& remarks)
 {
   const vtkIdType points = input->GetNumberOfPoints();
   std::vector<char> inCells(points);
@@ -121,7 +124,10 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
     auto field = treeamr::acquireField(source, { name, c });
     octrees.push_back(field->sharedOctree());
     vtkDataArray& cells = *source->GetCellData()->GetArray(name.c_str());
-    remarks.push_back(treeamr::unevenCorners(cells, *field));
+    if (method == treeamr::InterpolationMethod::GTI) // others take means
+    {
+      corners.add(cells, *field);
+    }
     remarks.push_back(treeamr::narrowRange(cells, *field));
     remarks.push_back(treeamr::roundedIntegers(cells, *field));
     if (!result.Values)
@@ -235,7 +241,8 @@ void ClearOutside(vtkDataArray* array, const std::vector<char>& valid)
 void CheckInputs(vtkDataObject* input, vtkDataObject* source)
 {
   const bool inputIsGrid = vtkHyperTreeGrid::SafeDownCast(input) != nullptr;
-  const bool sourceIsGrid = vtkHyperTreeGrid::SafeDownCast(source) != nullptr;
+  const bool sourceIsGrid =
+    vtkHyperTreeGrid::SafeDownCast(source) || !treeamr::gridsWithTrees(source).empty();
   if (inputIsGrid || !sourceIsGrid)
   {
     throw treeamr::Error(std::string("probe: Input is a ") + input->GetClassName() + " and Source a " +
@@ -245,6 +252,33 @@ void CheckInputs(vtkDataObject* input, vtkDataObject* source)
       "Source" +
       (inputIsGrid && !sourceIsGrid ? ": exchange the two" : ""));
   }
+}
+
+/// The source itself, or a collection's grids as one. Throws Error when they are none. remarks: gets what is left out.
+vtkSmartPointer<vtkHyperTreeGrid> OneGrid(vtkDataObject* source, std::vector<std::string>& remarks)
+{
+  if (auto* const grid = vtkHyperTreeGrid::SafeDownCast(source))
+  {
+    return grid;
+  }
+  for (const std::string& block : treeamr::blocksOfOtherKinds(source))
+  {
+    remarks.push_back("probe: " + block + ", which is left out of Source");
+  }
+  auto merged = vtkSmartPointer<vtkHyperTreeGrid>::New();
+  try
+  {
+    for (const std::string& array : treeamr::mergeGrids(treeamr::gridsWithTrees(source), merged))
+    {
+      remarks.push_back("probe: left out of the grids of Source: " + array);
+    }
+  }
+  catch (const treeamr::Error& e)
+  {
+    throw treeamr::Error("probe: the grids of Source, a " + std::string(source->GetClassName()) +
+      ", cannot be made one: " + e.what() + ". Extract one block first");
+  }
+  return merged;
 }
 
 /// The arrays whose names are not taken, and their roles where free.
@@ -319,10 +353,14 @@ vtkHyperTreeGrid* vtkTreeAMRProbeFilter::GetSource()
 }
 
 // Each takes what is meant for the other, so that RequestData() can tell which is which.
-int vtkTreeAMRProbeFilter::FillInputPortInformation(int, vtkInformation* info)
+int vtkTreeAMRProbeFilter::FillInputPortInformation(int port, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
   info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkHyperTreeGrid");
+  if (port == 1) // or else the executive would hand over the blocks of a collection one after the other
+  {
+    info->Append(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet");
+  }
   return 1;
 }
 
@@ -380,9 +418,10 @@ int vtkTreeAMRProbeFilter::RequestData(
   {
     CheckInputs(vtkDataObject::GetData(inputVector[0]), vtkDataObject::GetData(inputVector[1]));
     vtkDataSet* input = vtkDataSet::GetData(inputVector[0]);
-    vtkHyperTreeGrid* source = vtkHyperTreeGrid::GetData(inputVector[1]);
+    std::vector<std::string> remarks;
+    const auto source = OneGrid(vtkDataObject::GetData(inputVector[1]), remarks);
     output->CopyStructure(input);
-    this->Probe(input, source, output);
+    this->Probe(input, source, remarks, output);
     if (this->PassPointArrays)
     {
       PassArrays(input->GetPointData(), output->GetPointData());
@@ -407,7 +446,8 @@ int vtkTreeAMRProbeFilter::RequestData(
   return 1;
 }
 
-void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, vtkDataSet* output)
+void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source,
+  const std::vector<std::string>& remarksOnSource, vtkDataSet* output)
 {
   const vtkIdType points = input->GetNumberOfPoints();
   if (points > 0)
@@ -420,6 +460,7 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
   std::vector<std::shared_ptr<const treeamr::Octree>> octrees;
   std::vector<ArrayResult> results;
   std::vector<treeamr::Remark> remarks;
+  treeamr::CornerRemarks corners;
   // Above the depth limit cells have means of leaves, which no array holds.
   const bool copies = this->InterpolationMethod == NEAREST && !IsLimited(source);
   std::vector<vtkIdType> places;
@@ -436,7 +477,7 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
         continue;
       }
       results.push_back(
-        SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees, remarks));
+        SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees, corners, remarks));
     }
     catch (const treeamr::Error& e)
     {
@@ -449,6 +490,11 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source, v
     throw treeamr::Error(remarks.empty()
         ? "probe: the source has no numeric cell array that is named and selected"
         : remarks.front().text);
+  }
+  std::ranges::move(corners.all(), std::back_inserter(remarks));
+  for (const std::string& text : remarksOnSource)
+  {
+    remarks.push_back({ text, text });
   }
   for (const treeamr::Remark& remark : remarks)
   {

@@ -30,6 +30,8 @@
 #include "vtkTreeAMRReaderModule.h"
 
 #include <memory> // for std::unique_ptr
+#include <string> // for std::string
+#include <vector> // for std::vector
 
 class vtkDataArraySelection;
 class vtkHyperTreeGrid;
@@ -153,7 +155,8 @@ private:
   vtkTreeAMRProbeFilter(const vtkTreeAMRProbeFilter&) = delete;
   void operator=(const vtkTreeAMRProbeFilter&) = delete;
 
-  void Probe(vtkDataSet* input, vtkHyperTreeGrid* source, vtkDataSet* output);
+  void Probe(vtkDataSet* input, vtkHyperTreeGrid* source, const std::vector<std::string>& remarksOnSource,
+    vtkDataSet* output);
 
   std::unique_ptr<treeamr::OnceReporter> Warnings;
 };

@@ -78,7 +78,16 @@ void vtkTreeAMRIsosurfaceRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   this->Mapper->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, contoured);
   // Behind the components ParaView's choices have the magnitude.
   vtkDataArray* array = this->Grid->GetCellData()->GetArray(contoured);
-  const bool component = array && this->IsosurfaceComponent < array->GetNumberOfComponents();
+  const int components = array ? array->GetNumberOfComponents() : 0;
+  const bool component = this->IsosurfaceComponent < components;
+  if (array && (this->IsosurfaceComponent > components || this->IsosurfaceComponent < -1) &&
+    this->IsosurfaceComponent != this->RefusedComponent)
+  {
+    vtkWarningMacro("IsosurfaceComponent " << this->IsosurfaceComponent << ", allowed are 0 to "
+                                           << components - 1 << " of the array '" << contoured << "' and "
+                                           << components << " for the magnitude, which is taken.");
+    this->RefusedComponent = this->IsosurfaceComponent;
+  }
   this->Mapper->SetIsosurfaceComponent(component ? this->IsosurfaceComponent : -1);
 
   const std::string colored = this->GetColorArrayName();

@@ -88,6 +88,7 @@ private:
   vtkNew<vtkTreeAMRIsosurfaceMapper> Mapper;
   std::string IsosurfaceArray;
   int IsosurfaceComponent = 0;
+  int RefusedComponent = 0; // that was told of
   bool HasExportedTriangles = false;
 };
 

@@ -5,9 +5,10 @@
 #include "OnceReporter.h"
 #include "UnsupportedSettings.h"
 
-#include <exception>
+#include "vtkObject.h"
 
-class vtkObject;
+#include <algorithm>
+#include <exception>
 
 namespace treeamr
 {
@@ -37,5 +38,22 @@ private:
   OnceReporter warnings_;
   SettingWarnings settings_;
 };
+
+/// As vtkSetClampMacro, with a warning that tells what is allowed when that is something else. NaN is left for the frame to
+/// refuse.
+template <class Value>
+void setWithin(vtkObject* owner, const char* name, Value& setting, Value value, Value least, Value most)
+{
+  if (value < least || value > most)
+  {
+    vtkWarningWithObjectMacro(owner, << name << ' ' << value << ", allowed are " << least << " to " << most
+                                     << ", the nearest of which is taken");
+  }
+  if (const Value allowed = std::clamp(value, least, most); setting != allowed)
+  {
+    setting = allowed;
+    owner->Modified();
+  }
+}
 
 } // namespace treeamr

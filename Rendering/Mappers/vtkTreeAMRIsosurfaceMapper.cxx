@@ -25,6 +25,48 @@ vtkTreeAMRIsosurfaceMapper::vtkTreeAMRIsosurfaceMapper()
 vtkTreeAMRIsosurfaceMapper::~vtkTreeAMRIsosurfaceMapper() = default;
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetAmbientOcclusionSamples(int value)
+{
+  treeamr::setWithin(this, "AmbientOcclusionSamples", this->AmbientOcclusionSamples, value, 0, 65535);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetAmbientOcclusionRadius(double value)
+{
+  treeamr::setWithin(this, "AmbientOcclusionRadius", this->AmbientOcclusionRadius, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetImageSampleDistance(double value)
+{
+  treeamr::setWithin(this, "ImageSampleDistance", this->ImageSampleDistance, value, 1., 100.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetMinimumImageSampleDistance(double value)
+{
+  treeamr::setWithin(this, "MinimumImageSampleDistance", this->MinimumImageSampleDistance, value, 1., 100.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetMaximumImageSampleDistance(double value)
+{
+  treeamr::setWithin(this, "MaximumImageSampleDistance", this->MaximumImageSampleDistance, value, 1., 100.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetInteractiveRenderTime(double value)
+{
+  treeamr::setWithin(this, "InteractiveRenderTime", this->InteractiveRenderTime, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::SetLevelOfDetail(double value)
+{
+  treeamr::setWithin(this, "LevelOfDetail", this->LevelOfDetail, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -112,13 +112,13 @@ public:
   /// those before, so that after AmbientOcclusionSamples / InteractiveSamples frames of either kind, or one
   /// still frame, the picture is the same. Pixels next to each other on one smooth piece of surface share
   /// their rays, so 16 of them show no grain there.
-  vtkSetClampMacro(AmbientOcclusionSamples, int, 0, 65535);
+  virtual void SetAmbientOcclusionSamples(int value);
   vtkGetMacro(AmbientOcclusionSamples, int);
   static constexpr int InteractiveSamples = 2;
   ///@}
   ///@{
   /// Part of the diagonal of the grid's bounds, as large as the actor shows it. Default 0.05.
-  vtkSetClampMacro(AmbientOcclusionRadius, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetAmbientOcclusionRadius(double value);
   vtkGetMacro(AmbientOcclusionRadius, double);
   ///@}
   ///@{
@@ -138,15 +138,15 @@ public:
   vtkSetMacro(AutoAdjustSampleDistances, bool);
   vtkGetMacro(AutoAdjustSampleDistances, bool);
   vtkBooleanMacro(AutoAdjustSampleDistances, bool);
-  vtkSetClampMacro(ImageSampleDistance, double, 1., 100.);
+  virtual void SetImageSampleDistance(double value);
   vtkGetMacro(ImageSampleDistance, double);
-  vtkSetClampMacro(MinimumImageSampleDistance, double, 1., 100.);
+  virtual void SetMinimumImageSampleDistance(double value);
   vtkGetMacro(MinimumImageSampleDistance, double);
-  vtkSetClampMacro(MaximumImageSampleDistance, double, 1., 100.);
+  virtual void SetMaximumImageSampleDistance(double value);
   vtkGetMacro(MaximumImageSampleDistance, double);
-  vtkSetClampMacro(InteractiveRenderTime, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetInteractiveRenderTime(double value);
   vtkGetMacro(InteractiveRenderTime, double);
-  vtkSetClampMacro(LevelOfDetail, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetLevelOfDetail(double value);
   vtkGetMacro(LevelOfDetail, double);
   ///@}
   /// Pixels between the rays of the last frame, in whichever renderer; 0 before the first.

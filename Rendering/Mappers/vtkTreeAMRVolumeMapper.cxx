@@ -61,6 +61,72 @@ vtkTreeAMRVolumeMapper::vtkTreeAMRVolumeMapper()
 vtkTreeAMRVolumeMapper::~vtkTreeAMRVolumeMapper() = default;
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetSamplesPerCell(double value)
+{
+  treeamr::setWithin(this, "SamplesPerCell", this->SamplesPerCell, value, 0.01, MostSamplesPerCell);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetVertexCacheSize(int value)
+{
+  treeamr::setWithin(this, "VertexCacheSize", this->VertexCacheSize, value, 0, VTK_INT_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetImageSampleDistance(double value)
+{
+  treeamr::setWithin(this, "ImageSampleDistance", this->ImageSampleDistance, value, 1., 100.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetMinimumImageSampleDistance(double value)
+{
+  treeamr::setWithin(this, "MinimumImageSampleDistance", this->MinimumImageSampleDistance, value, 1., 100.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetMaximumImageSampleDistance(double value)
+{
+  treeamr::setWithin(this, "MaximumImageSampleDistance", this->MaximumImageSampleDistance, value, 1., 100.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetInteractiveRenderTime(double value)
+{
+  treeamr::setWithin(this, "InteractiveRenderTime", this->InteractiveRenderTime, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetLevelOfDetail(double value)
+{
+  treeamr::setWithin(this, "LevelOfDetail", this->LevelOfDetail, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetTargetError(double value)
+{
+  treeamr::setWithin(this, "TargetError", this->TargetError, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetIsosurfaceOpacityScale(double value)
+{
+  treeamr::setWithin(this, "IsosurfaceOpacityScale", this->IsosurfaceOpacityScale, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetAmbientOcclusionSamples(int value)
+{
+  treeamr::setWithin(this, "AmbientOcclusionSamples", this->AmbientOcclusionSamples, value, 0, 65535);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetAmbientOcclusionRadius(double value)
+{
+  treeamr::setWithin(this, "AmbientOcclusionRadius", this->AmbientOcclusionRadius, value, 0., VTK_DOUBLE_MAX);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

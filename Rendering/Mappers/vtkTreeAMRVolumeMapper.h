@@ -100,17 +100,18 @@ public:
   ///@}
 
   ///@{
-  /// Samples of the field along one cell's width, from 0.01 to a million, where colour or opacity vary in the
+  /// Samples of the field along one cell's width, from 0.01 to MostSamplesPerCell, where colour or opacity vary in the
   /// cell; fewer where little can change, but at least one in each cell, or block of eight cells of one size,
   /// that a ray crosses. Where the opacity function varies more than samples can follow its integral over
   /// each step is used. Default 2.
-  vtkSetClampMacro(SamplesPerCell, double, 0.01, 1e6);
+  virtual void SetSamplesPerCell(double value);
   vtkGetMacro(SamplesPerCell, double);
+  static constexpr double MostSamplesPerCell = 1024.;
   ///@}
   ///@{
   /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed
   /// again; 0 keeps none. Only what was seen takes memory. Never changes a pixel. Default 512.
-  vtkSetClampMacro(VertexCacheSize, int, 0, VTK_INT_MAX);
+  virtual void SetVertexCacheSize(int value);
   vtkGetMacro(VertexCacheSize, int);
   ///@}
   ///@{
@@ -134,30 +135,30 @@ public:
   /// Distance between rays in pixels, from 1 (default) to 100, while AutoAdjustSampleDistances is off: 1
   /// casts one ray a pixel, 2 one for every 4 (2 by 2) pixels. An image of fewer rays is magnified
   /// bilinearly.
-  vtkSetClampMacro(ImageSampleDistance, double, 1., 100.);
+  virtual void SetImageSampleDistance(double value);
   vtkGetMacro(ImageSampleDistance, double);
   ///@}
   ///@{
   /// The least distance that AutoAdjustSampleDistances chooses, and that of all still frames. Default 1.
-  vtkSetClampMacro(MinimumImageSampleDistance, double, 1., 100.);
+  virtual void SetMinimumImageSampleDistance(double value);
   vtkGetMacro(MinimumImageSampleDistance, double);
   ///@}
   ///@{
   /// The greatest distance that AutoAdjustSampleDistances chooses. Default 10. A greater minimum takes its
   /// place.
-  vtkSetClampMacro(MaximumImageSampleDistance, double, 1., 100.);
+  virtual void SetMaximumImageSampleDistance(double value);
   vtkGetMacro(MaximumImageSampleDistance, double);
   ///@}
   ///@{
   /// Seconds that casting the rays of an interactive frame may take. 0 (default) takes the time that VTK
   /// allocates: an equal share, or one by the area covered, for each prop, as if all of them cost alike.
-  vtkSetClampMacro(InteractiveRenderTime, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetInteractiveRenderTime(double value);
   vtkGetMacro(InteractiveRenderTime, double);
   ///@}
   ///@{
   /// Interactive frames draw parts of the tree from means where its cells are smaller than this many pixels
   /// of the traced image. 0 is off, default 2. Still frames are always drawn from the cells.
-  vtkSetClampMacro(LevelOfDetail, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetLevelOfDetail(double value);
   vtkGetMacro(LevelOfDetail, double);
   ///@}
 
@@ -178,7 +179,7 @@ public:
   /// peeling only the next one is better, and each part is held to the target. When 64 are too few the frame
   /// has the fewest that come about as close as any. Estimates look at more pixels for it, in a fifth to a third of
   /// a frame's time. 0 (default) is for SamplesPerCell.
-  vtkSetClampMacro(TargetError, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetTargetError(double value);
   vtkGetMacro(TargetError, double);
   ///@}
 
@@ -197,15 +198,15 @@ public:
   ///@{
   /// Factor of the isosurfaces' opacities, which end at 1: a function that suits a volume may leave surfaces
   /// faint. Default 1.
-  vtkSetClampMacro(IsosurfaceOpacityScale, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetIsosurfaceOpacityScale(double value);
   vtkGetMacro(IsosurfaceOpacityScale, double);
   ///@}
   ///@{
   /// Of the isosurfaces, where the property is shaded and there is light: what vtkTreeAMRIsosurfaceMapper has by these
   /// names, with its defaults and limits. The volume neither darkens nor is darkened.
-  vtkSetClampMacro(AmbientOcclusionSamples, int, 0, 65535);
+  virtual void SetAmbientOcclusionSamples(int value);
   vtkGetMacro(AmbientOcclusionSamples, int);
-  vtkSetClampMacro(AmbientOcclusionRadius, double, 0., VTK_DOUBLE_MAX);
+  virtual void SetAmbientOcclusionRadius(double value);
   vtkGetMacro(AmbientOcclusionRadius, double);
   vtkSetMacro(Shadows, bool);
   vtkGetMacro(Shadows, bool);

@@ -87,6 +87,7 @@ class TestCorners(scene.TestCase):
         colors.VectorMode = "Component"
         for component in (0, 5):
             colors.VectorComponent = component
+            display.RescaleTransferFunctionToDataRange()
             self.assertTrue((scene.picture(view, f"component{component}") == expected).all())
 
     def test_pictures_are_those_of_hexahedra(self):

@@ -305,3 +305,62 @@ TEST(CornerArrays, ThatHangElsewhereAreNamed)
   const Remark remark = unevenCorners(array, *field);
   EXPECT_NE(remark.text.find("at corners that hang on larger cells differ by up to"), std::string::npos);
 }
+
+TEST(CornerArrays, AreNamedTogether)
+{
+  const auto grid = makeGrid({});
+  vtkDataArray& corners =
+    addCorners(grid, [](const Point& p) { return std::sin(5. * p[0]) * std::cos(4. * p[1] + p[2]); });
+  vtkNew<vtkDoubleArray> second;
+  second->DeepCopy(&corners);
+  second->SetName("second");
+  grid->GetCellData()->AddArray(second);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(randomPoints({ 0., 1., 0., 1., 0., 1. }, 10));
+  probe->SetSourceData(grid);
+  vtkNew<vtkTreeAMRContourFilter> contour;
+  contour->SetInputData(grid);
+  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "corners");
+  contour->SetValue(0, 0.1);
+  for (vtkAlgorithm* const filter :
+    { static_cast<vtkAlgorithm*>(probe), static_cast<vtkAlgorithm*>(contour) })
+  {
+    const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
+    filter->Update();
+    ASSERT_EQ(warnings.messages().size(), 1u);
+    EXPECT_NE(warnings.messages()[0].find("'corners', 'second' at corners that hang"), std::string::npos)
+      << warnings.messages()[0];
+  }
+  // The means of the cells have none.
+  vtkNew<vtkTreeAMRProbeFilter> nearest;
+  nearest->SetInputData(randomPoints({ 0., 1., 0., 1., 0., 1. }, 10));
+  nearest->SetSourceData(grid);
+  nearest->SetInterpolationMethodToNearest();
+  const MessageCatcher warnings(nearest, vtkCommand::WarningEvent);
+  nearest->Update();
+  EXPECT_TRUE(warnings.messages().empty());
+}
+
+TEST(CornerArrays, HaveOneRangeWhicheverComponentIsChosen)
+{
+  const auto grid = makeGrid({});
+  vtkDataArray& array = addCorners(grid, trilinearFunction);
+  std::array<double, 2> expected{ 1e300, -1e300 };
+  for (vtkIdType i = 0; i < array.GetNumberOfTuples(); ++i)
+  {
+    for (int c = 0; c < cornerCount; ++c)
+    {
+      const double value = array.GetComponent(i, c);
+      expected = { std::fmin(expected[0], value), std::fmax(expected[1], value) };
+    }
+  }
+  setCornerRanges(*grid);
+  for (int c = -1; c < cornerCount; ++c)
+  {
+    std::array<double, 2> range;
+    array.GetRange(range.data(), c);
+    EXPECT_EQ(range, expected) << c;
+    array.GetFiniteRange(range.data(), c);
+    EXPECT_EQ(range, expected) << c;
+  }
+}

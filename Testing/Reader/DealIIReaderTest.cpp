@@ -416,7 +416,7 @@ TEST_F(DealIIReaderTest, WithoutAPayload)
   ASSERT_TRUE(errors_.empty()) << errors_[0];
   ASSERT_EQ(warnings_.size(), 1u);
   for (const char* part : { "they are unit cubes: set Origin and Spacing",
-         "of the 2 blocks that deal.II attached to each cell, number 1, of 8 bytes, is read as \"double "
+         "Of the 2 blocks that deal.II attached to each cell, number 1, of 8 bytes, is read as \"double "
          "block1 = FE_DGQ(0)\", number 2, of 128 bytes, is left out. "
          "Set Payload",
          "\"double block1 = FE_DGQ(0); double block2[16]\": vectors" })

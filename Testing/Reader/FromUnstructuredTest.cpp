@@ -685,6 +685,7 @@ TEST(FromUnstructured, PointArraysAreChosen)
   vtkNew<vtkTreeAMRFromUnstructured> filter;
   const auto input = makeHexahedra(nineCells(), {});
   filter->SetInputDataObject(input);
+  const MessageCatcher warnings(filter, vtkCommand::WarningEvent);
   const auto hasX = [&] {
     filter->Update();
     return vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0))->GetCellData()->HasArray("x") != 0;
@@ -695,6 +696,8 @@ TEST(FromUnstructured, PointArraysAreChosen)
   EXPECT_FALSE(hasX());
   filter->GetPointDataArraySelection()->EnableArray("x");
   EXPECT_TRUE(hasX());
+  ASSERT_EQ(warnings.messages().size(), 1u); // once
+  expectIn(warnings.messages()[0], "no array of points is 'other', which is selected; there are 'x'.");
   filter->GetPointDataArraySelection()->RemoveAllArrays();
   filter->SelectionIsFinalOn();
   EXPECT_FALSE(hasX());

@@ -499,7 +499,7 @@ TEST(ConverterError, NamesTheArray)
 
   grid->GetCellData()->Initialize();
   expectError(
-    grid, "there are: none; give the cells an array of numbers (a forest: by its reader's Payload)");
+    grid, "there are: none; give the cells an array of numbers");
 }
 
 TEST(ConverterError, NamesDoublesBelowTheRangeOfFloat)

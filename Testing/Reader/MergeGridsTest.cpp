@@ -5,16 +5,20 @@
 #include "CornerArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "MergedGrid.h"
+#include "vtkTreeAMRContourFilter.h"
 #include "vtkTreeAMRMergeGrids.h"
+#include "vtkTreeAMRProbeFilter.h"
 
 #include "vtkBitArray.h"
 #include "vtkCellData.h"
+#include "vtkCommand.h"
 #include "vtkDoubleArray.h"
 #include "vtkHyperTree.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkHyperTreeGridAxisReflection.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkNew.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 
 #include <gtest/gtest.h>
@@ -226,4 +230,82 @@ TEST(MergeGrids, WhatCannotBeMergedIsNamed)
   shifted->SetXCoordinates(coordinates);
   expectIn(errorOf<vtkTreeAMRMergeGrids>(collectionOf({ finer, shifted })),
     "block 1: roots from 0.000000 to 1.000000 along x span 2 of the lattice that all grids form, allowed 1");
+}
+
+// As the whole: without gaps between the pieces.
+TEST(MergeGrids, ContourAndProbeTakeACollectionAsOne)
+{
+  const auto whole = makeGrid({ .seed = 10 });
+  std::vector<Grid> pieces;
+  for (std::size_t p = 0; p < 2; ++p)
+  {
+    pieces.push_back(pieceOf(whole, [p](const double* bounds) { return pieceNumber(bounds, 2) == p; }));
+  }
+  std::vector<vtkSmartPointer<vtkPolyData>> contours;
+  std::vector<vtkSmartPointer<vtkDataArray>> values;
+  const auto points = randomPoints({ 0., 3., 0., 3., 0., 3. }, 500);
+  const auto collection = collectionOf(pieces);
+  for (vtkDataObject* const input : std::initializer_list<vtkDataObject*>{ whole, collection })
+  {
+    vtkNew<vtkTreeAMRContourFilter> contour;
+    contour->SetInputDataObject(input);
+    contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
+    contour->SetValue(0, 0.2);
+    const MessageCatcher warnings(contour, vtkCommand::WarningEvent);
+    contour->Update();
+    EXPECT_TRUE(warnings.messages().empty());
+    contours.emplace_back(contour->GetOutput());
+    vtkNew<vtkTreeAMRProbeFilter> probe;
+    probe->SetInputData(points);
+    probe->SetInputDataObject(1, input);
+    probe->Update();
+    values.emplace_back(probe->GetOutput()->GetPointData()->GetArray("scalar"));
+  }
+  ASSERT_GT(contours[0]->GetNumberOfPolys(), 100);
+  EXPECT_EQ(contours[1]->GetNumberOfPolys(), contours[0]->GetNumberOfPolys());
+  EXPECT_EQ(contours[1]->GetNumberOfPoints(), contours[0]->GetNumberOfPoints());
+  ASSERT_TRUE(values[0] && values[1]);
+  for (vtkIdType i = 0; i < 500; ++i)
+  {
+    ASSERT_EQ(values[1]->GetComponent(i, 0), values[0]->GetComponent(i, 0));
+  }
+}
+
+TEST(MergeGrids, OfGridsThatAreNoOneContourAndProbeSaySo)
+{
+  const auto one = makeUniformlyRefinedGrid(3);
+  const auto other = Grid::New();
+  other->DeepCopy(one);
+  vtkNew<vtkDoubleArray> coordinates;
+  coordinates->InsertNextValue(0.5);
+  coordinates->InsertNextValue(1.5);
+  other->SetXCoordinates(coordinates);
+  const auto collection = collectionOf({ one, other });
+  vtkNew<vtkTreeAMRContourFilter> contour;
+  contour->SetInputDataObject(collection);
+  contour->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
+  contour->SetValue(0, 100.5);
+  const MessageCatcher warnings(contour, vtkCommand::WarningEvent);
+  contour->Update();
+  contour->SetValue(0, 101.5);
+  contour->Update();
+  ASSERT_EQ(warnings.messages().size(), 1u); // once
+  expectIn(warnings.messages()[0],
+    "contoured one by one, with gaps between them, for they cannot be made one: block 1");
+  vtkNew<vtkTreeAMRContourFilter> single;
+  single->SetInputData(one);
+  single->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
+  single->SetValue(0, 101.5);
+  single->Update();
+  EXPECT_GT(single->GetOutput()->GetNumberOfPolys(), 0);
+  EXPECT_EQ(contour->GetOutput()->GetNumberOfPolys(), 2 * single->GetOutput()->GetNumberOfPolys());
+
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  probe->SetInputData(randomPoints({ 0., 1., 0., 1., 0., 1. }, 5));
+  probe->SetInputDataObject(1, collection);
+  const MessageCatcher errors(probe, vtkCommand::ErrorEvent);
+  probe->Update();
+  ASSERT_GE(errors.messages().size(), 1u);
+  expectIn(
+    errors.messages()[0], "probe: the grids of Source, a vtkMultiBlockDataSet, cannot be made one: block 1");
 }

@@ -291,3 +291,47 @@ TEST_F(MapperSettingsTest, surfaceSettingsWithoutEffect)
   }
   surfaceMapper_->RemoveAllObservers();
 }
+
+// What was asked and what is allowed, each time; the nearest is taken.
+TEST_F(MapperSettingsTest, valuesOutOfRangeAreTold)
+{
+  const auto told = [](vtkObject* mapper, const auto& set) {
+    const MessageCounter messages(mapper);
+    set();
+    return messages.warnings.empty() ? std::string() : messages.warnings.front();
+  };
+  const auto expectTold = [&](vtkObject* mapper, const auto& set, const char* part) {
+    const std::string message = told(mapper, set);
+    EXPECT_NE(message.find(part), std::string::npos) << message << ", should say " << part;
+  };
+  vtkTreeAMRVolumeMapper* const volume = volumeMapper_;
+  expectTold(
+    volume, [&] { volume->SetSamplesPerCell(1e6); }, "SamplesPerCell 1e+06, allowed are 0.01 to 1024");
+  EXPECT_EQ(volume->GetSamplesPerCell(), 1024.);
+  expectTold(
+    volume, [&] { volume->SetSamplesPerCell(-1.); }, "SamplesPerCell -1, allowed are 0.01 to 1024");
+  EXPECT_EQ(volume->GetSamplesPerCell(), 0.01);
+  expectTold(
+    volume, [&] { volume->SetVertexCacheSize(-5); }, "VertexCacheSize -5, allowed are 0 to");
+  EXPECT_EQ(volume->GetVertexCacheSize(), 0);
+  expectTold(
+    volume, [&] { volume->SetImageSampleDistance(0.); }, "ImageSampleDistance 0, allowed are 1 to 100");
+  EXPECT_EQ(volume->GetImageSampleDistance(), 1.);
+  expectTold(
+    volume, [&] { volume->SetTargetError(-1.); }, "TargetError -1, allowed are 0 to");
+  EXPECT_EQ(volume->GetTargetError(), 0.);
+  vtkTreeAMRIsosurfaceMapper* const surface = surfaceMapper_;
+  expectTold(
+    surface, [&] { surface->SetMaximumImageSampleDistance(1000.); },
+    "MaximumImageSampleDistance 1000, allowed are 1 to 100");
+  EXPECT_EQ(surface->GetMaximumImageSampleDistance(), 100.);
+  expectTold(
+    surface, [&] { surface->SetAmbientOcclusionSamples(-1); },
+    "AmbientOcclusionSamples -1, allowed are 0 to 65535");
+  EXPECT_EQ(surface->GetAmbientOcclusionSamples(), 0);
+
+  EXPECT_EQ(told(volume, [&] { volume->SetSamplesPerCell(1024.); }), "");
+  const vtkMTimeType time = volume->GetMTime();
+  EXPECT_EQ(told(volume, [&] { volume->SetSamplesPerCell(1024.); }), "");
+  EXPECT_EQ(volume->GetMTime(), time);
+}
