@@ -118,8 +118,17 @@ TEST(HexahedraOfWriters, P8estVtkOfOtherConnectivities)
     ForestWriter forest = ForestWriter::named(name);
     forest.refine([](const ForestQuadrant& q) { return q.level < 1; });
     refineAtRandom(forest, 4, 4);
+    forest.setPayload(sizeof(double), [](const ForestQuadrant& q, std::byte* payload) {
+      const double value = static_cast<double>(hashOf(q) % 1000000) / 7.;
+      std::memcpy(payload, &value, sizeof(value));
+    });
     const auto quadrants = forest.quadrants();
-    forest.saveVtk(folder.file("others"), "value", std::vector<double>(quadrants.size(), 1.));
+    std::vector<double> values;
+    for (const ForestQuadrant& q : quadrants)
+    {
+      std::memcpy(&values.emplace_back(), q.payload.data(), sizeof(double));
+    }
+    forest.saveVtk(folder.file("others"), "value", values);
     vtkNew<vtkXMLPUnstructuredGridReader> reader;
     reader->SetFileName(folder.file("others.pvtu").c_str());
     vtkNew<vtkTreeAMRFromUnstructured> filter;
@@ -155,6 +164,21 @@ TEST(HexahedraOfWriters, P8estVtkOfOtherConnectivities)
     {
       ASSERT_EQ(found[i].bounds, expected[i].bounds);
       ASSERT_EQ(found[i].value, expected[i].value);
+    }
+    // What the reader makes of the saved forest, whose trees it turns.
+    forest.save(folder.file("others.p8est"));
+    vtkNew<vtkTreeAMRP4estReader> saved;
+    saved->SetFileName(folder.file("others.p8est").c_str());
+    saved->SetPayload("double value");
+    saved->Update();
+    const std::vector<DrawnCell> read = leaves(saved->GetHyperTreeGridOutput(), "value");
+    const std::vector<DrawnCell> written = leaves(grid, "value");
+    ASSERT_EQ(read.size(), values.size());
+    ASSERT_EQ(written.size(), values.size());
+    for (std::size_t i = 0; i < read.size(); ++i)
+    {
+      ASSERT_EQ(written[i].bounds, read[i].bounds);
+      ASSERT_EQ(written[i].value, static_cast<float>(read[i].value));
     }
   }
 }
