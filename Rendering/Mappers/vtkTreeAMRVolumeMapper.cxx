@@ -356,8 +356,15 @@ bool vtkTreeAMRVolumeMapper::HasPairs(vtkVolume* volume)
   {
     return false;
   }
-  vtkDataArray* array = grid->GetCellData()->GetArray(this->SelectArray().name.c_str());
-  return array && array->GetNumberOfComponents() == 2;
+  try
+  {
+    vtkDataArray* array = grid->GetCellData()->GetArray(this->SelectArray().name.c_str());
+    return array && array->GetNumberOfComponents() == 2;
+  }
+  catch (const treeamr::Error&) // which the frame tells
+  {
+    return false;
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -115,6 +115,18 @@ TEST_F(VolumeArraysTest, whatCannotBeDrawnIsSaid)
   EXPECT_TRUE(messages.errors.empty());
   ASSERT_EQ(messages.warnings.size(), 1u);
   EXPECT_NE(messages.warnings[0].find("OpacityArrayName"), std::string::npos) << messages.warnings[0];
+  // No array at all, where components would be dependent.
+  pair.mapper()->SetOpacityArrayName("");
+  pair.mapper()->SetBlendModeToComposite();
+  pair.mapper()->SetScalarModeToUsePointFieldData();
+  pair.property()->IndependentComponentsOff();
+  pair.scene.render();
+  ASSERT_EQ(messages.errors.size(), 1u);
+  EXPECT_NE(messages.errors[0].find("scalar mode"), std::string::npos) << messages.errors[0];
+  messages.errors.clear();
+  pair.property()->IndependentComponentsOn();
+  pair.mapper()->SetScalarModeToUseCellFieldData();
+  pair.mapper()->SetOpacityArrayName("other");
   // Cells of one array alone.
   pair.mapper()->SetBlendModeToComposite();
   vtkDataArray* array = gridOf(pair)->GetCellData()->GetArray("other");
