@@ -229,12 +229,15 @@ TEST_F(MapperErrorsTest, samplesPerCell)
       isSet = false;
       volumeMapper_->SetSamplesPerCell(2.);
     });
-  // As setters of VTK take what is out of range.
+  // As setters of VTK take what is out of range, and it is said.
+  MessageCounter messages(volumeMapper_);
   for (const double samples : { 0., -1., 1e300 })
   {
     volumeMapper_->SetSamplesPerCell(samples);
-    EXPECT_EQ(volumeMapper_->GetSamplesPerCell(), samples > 0. ? 1e6 : 0.01);
+    EXPECT_EQ(volumeMapper_->GetSamplesPerCell(), samples > 0. ? 1024. : 0.01);
   }
+  EXPECT_EQ(messages.warnings.size(), 3u);
+  volumeMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperErrorsTest, settingsThatAreNoNumbers)
