@@ -60,7 +60,7 @@ public:
   /// Announces that a block's will be asked for.
   void prefetch(std::uint32_t block) const noexcept
   {
-    if (isPrepared_.load(std::memory_order_relaxed))
+    if (isPrepared_.load(std::memory_order_acquire))
     {
       treeamr::prefetch(&numbers_[block]);
     }
