@@ -6,6 +6,7 @@
 #include "vtkCommunicator.h"
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
+#include "vtkDataObject.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkMath.h"
@@ -162,10 +163,15 @@ void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opac
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SelectOpacityArray(int vtkNotUsed(index), int vtkNotUsed(port),
-  int vtkNotUsed(connection), int vtkNotUsed(association), const char* name)
+void vtkTreeAMRVolumeRepresentation::SelectOpacityArray(
+  int vtkNotUsed(index), int vtkNotUsed(port), int vtkNotUsed(connection), int association, const char* name)
 {
   this->OpacityArray = name ? name : "";
+  if (!this->OpacityArray.empty() && association != vtkDataObject::CELL)
+  {
+    vtkWarningMacro(
+      "OpacityArrayName: '" << name << "' is taken of the cells, as all of a hyper tree grid's.");
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -126,6 +126,7 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
   catch (const std::exception& error)
   {
     this->Private->Messages.error(error);
+    this->Private->CurrentFrame = treeamr::VolumeFrame(); // no figures of a frame before
     return false;
   }
 }

@@ -376,7 +376,11 @@ std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtk
   }
   if (!this->OpacityArrayName.empty())
   {
-    return treeamr::ArraySelection{ this->OpacityArrayName, this->OpacityComponent };
+    // As VTK and ParaView's list of components have it, one beyond the last is the magnitude.
+    vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
+    vtkDataArray* array = grid ? grid->GetCellData()->GetArray(this->OpacityArrayName.c_str()) : nullptr;
+    const bool isBeyond = array && this->OpacityComponent >= array->GetNumberOfComponents();
+    return treeamr::ArraySelection{ this->OpacityArrayName, isBeyond ? -1 : this->OpacityComponent };
   }
   if (this->HasPairs(volume))
   {
@@ -429,9 +433,14 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
     internals.Messages.warning(internals.OpacitySlot.remark());
     if (opacityField->sharedOctree() != field->sharedOctree())
     {
-      throw treeamr::Error("volume mapper: cell arrays '" + selection.name + "' and '" + ofOpacity->name +
-        "' have finite values in different cells; colour by one and opacity by the other need both in the "
-        "same");
+      const auto described = [](const treeamr::ArraySelection& array, const treeamr::Field& values) {
+        return "'" + array.name +
+          (array.component < 0 ? "'" : "', component " + std::to_string(array.component) + ",") + " in " +
+          std::to_string(values.octree().leafCount());
+      };
+      throw treeamr::Error("volume mapper: finite values of cell array " + described(selection, *field) +
+        " cells, of " + described(*ofOpacity, *opacityField) +
+        "; colour by one and opacity by the other need both in the same cells");
     }
   }
   else

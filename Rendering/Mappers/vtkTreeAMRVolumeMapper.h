@@ -94,7 +94,7 @@ public:
   const char* GetOpacityArrayName() const { return this->OpacityArrayName.c_str(); }
   ///@}
   ///@{
-  /// Of the array for opacity; -1 (default) is for the magnitude where there are several.
+  /// Of the array for opacity; -1 (default), and any beyond the last, is for the magnitude where there are several.
   vtkSetMacro(OpacityComponent, int);
   vtkGetMacro(OpacityComponent, int);
   ///@}

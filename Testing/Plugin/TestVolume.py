@@ -90,6 +90,9 @@ output.GetCellData().AddArray(array)
         self.assertLess(numpy.abs(centre[..., 0] - 255 * (1 - 0.5 ** 4)).max(), 1.5)
         self.assertEqual(0, centre[..., 1:].max())
         self.assertFalse(scene.close((two, one)))
+        # What was chosen for another array: the magnitude, as ParaView's Volume has it.
+        self.representation.OpacityComponent = 3
+        self.assertTrue(scene.close((self.picture("two-arrays-magnitude"), two)))
         # The colour is the other's.
         scene.set_colour(self.representation.LookupTable, 0, 64, (0, 1, 0))
         self.assertTrue(scene.close((self.picture("two-arrays-green")[..., 1], two[..., 0])))

@@ -68,6 +68,12 @@ TEST_F(VolumeArraysTest, anOpacityArrayIsTheSecondOfAPair)
   pair.mapper()->SetOpacityArrayName("pair");
   pair.mapper()->SetOpacityComponent(1);
   EXPECT_EQ(pair.scene.render(), two);
+  pair.mapper()->SetOpacityComponent(-1);
+  const auto magnitude = pair.scene.render();
+  EXPECT_NE(magnitude, two);
+  pair.mapper()->SetOpacityComponent(2);
+  EXPECT_EQ(pair.scene.render(), magnitude);
+  pair.mapper()->SetOpacityComponent(1);
   pair.mapper()->ShowIsosurfacesOn();
   pair.property()->GetIsoSurfaceValues()->SetValue(0, 0.5);
   EXPECT_NE(pair.scene.render(), two);
@@ -135,6 +141,6 @@ TEST_F(VolumeArraysTest, whatCannotBeDrawnIsSaid)
   gridOf(pair)->Modified();
   pair.scene.render();
   ASSERT_EQ(messages.errors.size(), 1u);
-  EXPECT_NE(messages.errors[0].find("different cells"), std::string::npos) << messages.errors[0];
+  EXPECT_NE(messages.errors[0].find("in 262143; colour"), std::string::npos) << messages.errors[0];
   pair.mapper()->RemoveAllObservers();
 }
