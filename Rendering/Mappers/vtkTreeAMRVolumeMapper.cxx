@@ -338,9 +338,11 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 {
   const bool hasSurfaces = this->ShowIsosurfaces || !this->ShowsVolume();
   const bool hasCategories = this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty());
+  const bool hasOpacityArray = !this->OpacityArrayName.empty();
+  const bool hasOpacity = this->SelectOpacity(volume).has_value();
   treeamr::SettingNames names =
-    treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces, this->HasPairs(volume));
-  if (!this->OpacityArrayName.empty() && this->ShowsVolume() && !this->SelectOpacity(volume))
+    treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces, hasOpacity && !hasOpacityArray);
+  if (hasOpacityArray && this->ShowsVolume() && !hasOpacity)
   {
     names.emplace_back(
       hasCategories ? "OpacityArrayName of categories" : "OpacityArrayName with a BlendMode of values");

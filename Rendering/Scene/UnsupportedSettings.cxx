@@ -60,7 +60,7 @@ bool anyComponent(int first, const IsSet& isSet)
 } // namespace
 
 SettingNames unsupportedSettings(
-  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces, bool hasPairs)
+  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces, bool drawsPairs)
 {
   vtkVolumeProperty* property = volume->GetProperty();
   // Asking for functions that were never set would make them; colours tell by their channels.
@@ -74,10 +74,7 @@ SettingNames unsupportedSettings(
       hasGradientOpacity(property) && mapper->GetBlendMode() == vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND },
     { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && hasSurfaces },
     { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
-    { hasPairs ? "IndependentComponents off of categories or with a BlendMode of values"
-               : "IndependentComponents off",
-      !property->GetIndependentComponents() &&
-        !(hasPairs && !hasCategories && mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND) },
+    { "IndependentComponents off", !property->GetIndependentComponents() && !drawsPairs },
     { "SetColor(1, ...)", hasSecondComponent },
     { "ComponentWeight", hasWeights },
     { "LabelColor, LabelScalarOpacity, LabelGradientOpacity", property->GetNumberOfLabels() > 0 },

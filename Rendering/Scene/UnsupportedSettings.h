@@ -19,9 +19,9 @@ using SettingNames = std::vector<std::string>;
 
 /// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what
 /// else there is. hasCategories: whether cells are constant, without gradients; hasSurfaces: whether isosurfaces are shown;
-/// hasPairs: whether dependent components are two, for colour and opacity.
+/// drawsPairs: whether two dependent components are drawn as colour and opacity.
 SettingNames unsupportedSettings(
-  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces, bool hasPairs);
+  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces, bool drawsPairs);
 SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper);
 
 /// Says each once.

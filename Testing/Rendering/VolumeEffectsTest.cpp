@@ -30,11 +30,6 @@ constexpr double tolerance = 2.;
 class VolumeEffectsTest : public RenderingTest
 {
 protected:
-  static double difference(VolumePair& pair)
-  {
-    return pair.difference([](vtkVolumeMapper* /*mapper*/) {});
-  }
-
   static vtkLight* addLight(vtkRenderer* renderer, int type, const Point& position, const Color& color)
   {
     vtkNew<vtkLight> light;
@@ -61,15 +56,15 @@ protected:
 TEST_F(VolumeEffectsTest, headlightAsVTK)
 {
   VolumePair pair;
-  const double plain = difference(pair);
+  const double plain = pair.difference();
   setLight(pair.property());
   for (const bool parallel : { false, true })
   {
     pair.scene.setCamera(parallel);
-    EXPECT_LT(difference(pair), tolerance) << parallel << ", plain " << plain;
+    EXPECT_LT(pair.difference(), tolerance) << parallel << ", plain " << plain;
   }
   pair.scene.renderer->SetTwoSidedLighting(false);
-  EXPECT_LT(difference(pair), tolerance) << "one-sided";
+  EXPECT_LT(pair.difference(), tolerance) << "one-sided";
 }
 
 TEST_F(VolumeEffectsTest, otherLightsAsVTK)
@@ -79,15 +74,15 @@ TEST_F(VolumeEffectsTest, otherLightsAsVTK)
   vtkRenderer* renderer = pair.scene.renderer;
   renderer->AutomaticLightCreationOff();
   renderer->RemoveAllLights();
-  EXPECT_LT(difference(pair), tolerance) << "no light";
+  EXPECT_LT(pair.difference(), tolerance) << "no light";
   vtkLight* camera = addLight(renderer, VTK_LIGHT_TYPE_CAMERA_LIGHT, { 1., 1., 1. }, { 1., 0.9, 0.8 });
-  EXPECT_LT(difference(pair), tolerance) << "camera light";
+  EXPECT_LT(pair.difference(), tolerance) << "camera light";
   camera->SwitchOff();
   vtkLight* scene = addLight(renderer, VTK_LIGHT_TYPE_SCENE_LIGHT, { 2., 3., 4. }, { 0.9, 0.7, 0.5 });
   scene->SetAmbientColor(0.3, 0.1, 0.6);
-  EXPECT_LT(difference(pair), tolerance) << "scene light";
+  EXPECT_LT(pair.difference(), tolerance) << "scene light";
   addLight(renderer, VTK_LIGHT_TYPE_HEADLIGHT, { 0., 0., 1. }, { 0.3, 0.4, 0.5 });
-  EXPECT_LT(difference(pair), tolerance) << "two lights";
+  EXPECT_LT(pair.difference(), tolerance) << "two lights";
 }
 
 // VTK mirrors highlights of positional lights to both sides.
@@ -103,27 +98,27 @@ TEST_F(VolumeEffectsTest, positionalLightsAsVTKButForHighlights)
   light->SetPositional(true);
   light->SetConeAngle(180.);
   light->SetAttenuationValues(0.4, 0.1, 0.05);
-  EXPECT_LT(difference(pair), tolerance);
+  EXPECT_LT(pair.difference(), tolerance);
   light->SetConeAngle(25.);
   light->SetExponent(2.);
-  EXPECT_LT(difference(pair), tolerance) << "cone";
+  EXPECT_LT(pair.difference(), tolerance) << "cone";
 }
 
 TEST_F(VolumeEffectsTest, gradientOpacityAsVTK)
 {
   VolumePair pair;
-  const double plain = difference(pair);
+  const double plain = pair.difference();
   vtkNew<vtkPiecewiseFunction> function;
   function->AddPoint(0., 0.);
   function->AddPoint(0.03, 0.2);
   function->AddPoint(0.06, 1.);
   pair.property()->SetGradientOpacity(function);
-  EXPECT_LT(difference(pair), tolerance);
+  EXPECT_LT(pair.difference(), tolerance);
   setLight(pair.property());
-  EXPECT_LT(difference(pair), tolerance) << "lit";
+  EXPECT_LT(pair.difference(), tolerance) << "lit";
   pair.property()->ShadeOff();
   pair.property()->DisableGradientOpacityOn();
-  EXPECT_NEAR(difference(pair), plain, 1e-9) << "off";
+  EXPECT_NEAR(pair.difference(), plain, 1e-9) << "off";
 }
 
 TEST_F(VolumeEffectsTest, blendModesAsVTK)

@@ -145,6 +145,11 @@ public:
     return 255. * sum / std::max(1, drawn);
   }
 
+  double difference()
+  {
+    return difference([](vtkVolumeMapper* /*mapper*/) {});
+  }
+
   void showOurs()
   {
     ours_->VisibilityOn();
