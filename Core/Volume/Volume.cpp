@@ -206,7 +206,7 @@ void Volume::setColors(std::shared_ptr<const Field> field, const TransferFunctio
       throw Error(colorsOfCategories);
     }
     const bool isSame = colors_ && colors_->field == field;
-    made = std::make_unique<Colors>(std::move(field), colors.withExtinction(1.f));
+    made = std::make_unique<Colors>(Colors{ std::move(field), colors.withExtinction(1.f) });
     made->kept = isSame ? std::move(colors_->kept) : nullptr; // a new function changes no values
   }
   colors_ = std::move(made);

@@ -405,7 +405,6 @@ TEST_F(ExtremeWindows, noCellAndOneCell)
     }
     ASSERT_EQ(messages.errors.size(), 1u);
     EXPECT_NE(messages.errors[0].find("no tree"), std::string::npos);
-    volume->GetMapper()->RemoveAllObservers();
   }
 
   // The field of one cell is one value everywhere.
@@ -537,7 +536,6 @@ TEST_F(ExtremeWindows, isovalueThatIsNotANumber)
   EXPECT_EQ(messages.errors.size(), 1u);
   record(std::to_string(messages.errors.size()) + " message in 2 frames, nothing drawn",
     "1 message, nothing drawn");
-  actor->GetMapper()->RemoveAllObservers();
 }
 
 // Two samples a frame: the last of them makes the picture of one still frame, bit by bit.

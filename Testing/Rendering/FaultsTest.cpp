@@ -148,7 +148,6 @@ TEST_F(FaultsTest, noMemoryForAnotherField)
     untilShortage = 1;
     scene.render();
     expectOneMessage(messages);
-    volume->RemoveAllObservers();
   }
   {
     MessageCounter messages(surface);
@@ -156,7 +155,6 @@ TEST_F(FaultsTest, noMemoryForAnotherField)
     untilShortage = 1;
     scene.render();
     expectOneMessage(messages);
-    surface->RemoveAllObservers();
   }
   EXPECT_EQ(untilShortage, 0);
   EXPECT_EQ(scene.render(), expected);
@@ -188,7 +186,6 @@ TEST_F(FaultsTest, noMemoryAmidAmbientOcclusion)
     }
     ASSERT_EQ(untilShortage, 0);
     expectOneMessage(messages);
-    mapper->RemoveAllObservers();
     scene.window->SetDesiredUpdateRate(still);
     EXPECT_EQ(scene.render(), expected) << "after frame " << frame;
   }
@@ -354,7 +351,7 @@ TEST_F(FaultsTest, inputRemovedAmidAFrame)
   EXPECT_EQ(scene.render(), withoutVolume);
   ASSERT_EQ(messages.errors.size(), 1u);
   EXPECT_NE(messages.errors[0].find("no input"), std::string::npos);
-  mapper->RemoveAllObservers();
+  mapper->RemoveObservers(vtkCommand::VolumeMapperRenderStartEvent);
   mapper->SetInputData(makeTestGrid().Get());
   EXPECT_EQ(scene.render(), complete);
 }

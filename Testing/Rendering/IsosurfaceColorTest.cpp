@@ -252,7 +252,6 @@ TEST_F(IsosurfaceColorTest, noFiniteValue)
       EXPECT_NE(
         messages.errors[0].find(warning.empty() ? "no cell has a finite value" : warning), std::string::npos)
         << messages.errors[0];
-      mapper->RemoveAllObservers();
     }
   }
 }
@@ -287,7 +286,6 @@ TEST_F(IsosurfaceColorTest, unfitArrays)
     ASSERT_EQ(messages.warnings.size(), 1u) << name;
     EXPECT_NE(messages.warnings[0].find(std::string("'") + name + "'"), std::string::npos)
       << messages.warnings[0];
-    mapper->RemoveAllObservers();
   }
 }
 

@@ -414,7 +414,6 @@ TEST_F(IsosurfaceMapperTest, picking)
     }
   }
   EXPECT_TRUE(messages.warnings.empty());
-  volumeMapper->RemoveAllObservers();
   EXPECT_GT(found[0], 5);
   EXPECT_GE(found[1], 1);
   EXPECT_GT(found[2], 5);

@@ -72,7 +72,6 @@ protected:
     EXPECT_EQ(scene_.render(), withoutProp_);
     EXPECT_EQ(messages.errors.size(), 2u) << "the same again is news after a success";
     EXPECT_TRUE(messages.warnings.empty());
-    mapper->RemoveAllObservers();
     prop->VisibilityOff();
   }
   void expectVolumeError(const std::vector<std::string>& parts, const std::function<void()>& spoil,
@@ -98,7 +97,6 @@ protected:
     {
       EXPECT_NE(messages.errors[0].find(part), std::string::npos) << messages.errors[0];
     }
-    mapper->RemoveAllObservers();
   }
   void expectBadInput(const std::vector<std::string>& parts, vtkHyperTreeGrid* bad)
   {
@@ -237,7 +235,6 @@ TEST_F(MapperErrorsTest, samplesPerCell)
     EXPECT_EQ(volumeMapper_->GetSamplesPerCell(), samples > 0. ? 1024. : 0.01);
   }
   EXPECT_EQ(messages.warnings.size(), 3u);
-  volumeMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperErrorsTest, settingsThatAreNoNumbers)
@@ -321,7 +318,6 @@ TEST_F(MapperErrorsTest, missingColorArrayWarnsAndLeavesTheSolidColor)
   EXPECT_TRUE(messages.errors.empty());
   ASSERT_EQ(messages.warnings.size(), 1u);
   EXPECT_NE(messages.warnings[0].find("'nothing'"), std::string::npos);
-  surfaceMapper_->RemoveAllObservers();
 }
 
 // Whatever else changes: a message is news when it has gone away meanwhile.
@@ -347,8 +343,6 @@ TEST_F(MapperErrorsTest, unrelatedChangesRepeatNoMessage)
     EXPECT_EQ(volumeMessages.errors.size(), 1u);
     EXPECT_EQ(surfaceMessages.errors.size(), 1u);
   }
-  volumeMapper_->RemoveAllObservers();
-  surfaceMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperErrorsTest, rangesThatDoublesDoNotTellApartWarn)
@@ -385,8 +379,6 @@ TEST_F(MapperErrorsTest, rangesThatDoublesDoNotTellApartWarn)
     EXPECT_NE(messages->warnings[0].find("'x' differ by 1 at most"), std::string::npos)
       << messages->warnings[0];
   }
-  volumeMapper_->RemoveAllObservers();
-  surfaceMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperErrorsTest, cornersThatDisagreeAreSaidOnce)
@@ -430,8 +422,6 @@ TEST_F(MapperErrorsTest, cornersThatDisagreeAreSaidOnce)
       std::string::npos)
       << messages->warnings[0];
   }
-  volumeMapper_->RemoveAllObservers();
-  surfaceMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperErrorsTest, clippingPlanesAreFinite)
@@ -451,5 +441,4 @@ TEST_F(MapperErrorsTest, clippingPlanesAreFinite)
   scene_.render();
   ASSERT_EQ(messages.errors.size(), 2u);
   EXPECT_NE(messages.errors[1].find("cropping plane 1"), std::string::npos) << messages.errors[1];
-  volumeMapper_->RemoveAllObservers();
 }

@@ -191,7 +191,6 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
     EXPECT_NE(messages.warnings[0].find(name), std::string::npos) << messages.warnings[0];
   }
   EXPECT_TRUE(messages.errors.empty());
-  volumeMapper_->RemoveAllObservers();
 }
 
 // A selection is made for whatever else there is, and passes through volumes without a word.
@@ -211,7 +210,6 @@ TEST_F(MapperSettingsTest, selectionsPassThroughVolumes)
   EXPECT_EQ(select(surface_), 1u);
   EXPECT_TRUE(messages.errors.empty());
   EXPECT_TRUE(messages.warnings.empty());
-  volumeMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperSettingsTest, lightAndBlendModesHaveAnEffectWithoutAWord)
@@ -251,7 +249,6 @@ TEST_F(MapperSettingsTest, lightAndBlendModesHaveAnEffectWithoutAWord)
   ASSERT_EQ(messages.warnings.size(), 2u);
   EXPECT_NE(messages.warnings[1].find("ShowIsosurfaces"), std::string::npos);
   EXPECT_TRUE(messages.errors.empty());
-  volumeMapper_->RemoveAllObservers();
 }
 
 TEST_F(MapperSettingsTest, surfaceSettingsWithoutEffect)
@@ -289,7 +286,6 @@ TEST_F(MapperSettingsTest, surfaceSettingsWithoutEffect)
     ASSERT_EQ(messages.warnings.size(), 1u) << name;
     EXPECT_NE(messages.warnings[0].find(name), std::string::npos) << messages.warnings[0];
   }
-  surfaceMapper_->RemoveAllObservers();
 }
 
 // What was asked and what is allowed, each time; the nearest is taken.

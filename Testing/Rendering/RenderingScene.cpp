@@ -404,16 +404,24 @@ void RenderingTest::TearDown()
 }
 
 MessageCounter::MessageCounter(vtkObject* object)
+  : object_(object)
 {
-  vtkNew<vtkCallbackCommand> command;
-  command->SetClientData(this);
-  command->SetCallback([](vtkObject*, unsigned long event, void* clientData, void* callData) {
+  command_->SetClientData(this);
+  command_->SetCallback([](vtkObject*, unsigned long event, void* clientData, void* callData) {
     auto* self = static_cast<MessageCounter*>(clientData);
     (event == vtkCommand::ErrorEvent ? self->errors : self->warnings)
       .emplace_back(static_cast<const char*>(callData));
   });
-  object->AddObserver(vtkCommand::ErrorEvent, command);
-  object->AddObserver(vtkCommand::WarningEvent, command);
+  object->AddObserver(vtkCommand::ErrorEvent, command_);
+  object->AddObserver(vtkCommand::WarningEvent, command_);
+}
+
+MessageCounter::~MessageCounter()
+{
+  if (object_)
+  {
+    object_->RemoveObserver(command_);
+  }
 }
 
 } // namespace treeamr::test

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vtkActor.h"
+#include "vtkCallbackCommand.h"
 #include "vtkCamera.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkNew.h"
@@ -13,6 +14,7 @@
 #include "vtkTreeAMRVolumeMapper.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
+#include "vtkWeakPointer.h"
 
 #include <gtest/gtest.h>
 
@@ -128,13 +130,20 @@ protected:
   void TearDown() override;
 };
 
-/// Collects the errors and warnings of an object, which then are not printed.
+/// Collects the errors and warnings of an object while it lives; they are not printed.
 class MessageCounter
 {
 public:
   explicit MessageCounter(vtkObject* object);
+  ~MessageCounter();
+  MessageCounter(const MessageCounter&) = delete;
+  MessageCounter& operator=(const MessageCounter&) = delete;
   std::vector<std::string> errors;
   std::vector<std::string> warnings;
+
+private:
+  vtkWeakPointer<vtkObject> object_;
+  vtkNew<vtkCallbackCommand> command_;
 };
 
 } // namespace treeamr::test

@@ -264,8 +264,6 @@ TEST_F(TranslucentSceneTest, whatFailsLeavesTheRest)
     expectLayers(scene, things.volume, { wall, upright() }, tolerance, mostlyEdges);
     EXPECT_EQ(ofVolume.errors.size(), 1u);
     EXPECT_EQ(ofSurface.errors.size(), 1u);
-    volumeMapper->RemoveAllObservers();
-    surfaceMapper->RemoveAllObservers();
   }
 }
 

@@ -137,5 +137,4 @@ TEST_F(VolumeArraysTest, whatCannotBeDrawnIsSaid)
   pair.scene.render();
   ASSERT_EQ(messages.errors.size(), 1u);
   EXPECT_NE(messages.errors[0].find("in 262143; colour"), std::string::npos) << messages.errors[0];
-  pair.mapper()->RemoveAllObservers();
 }

@@ -234,5 +234,4 @@ TEST_F(VolumeEffectsTest, isosurfacesInsideALitVolume)
   EXPECT_GT(opaquer, 100);
   EXPECT_TRUE(messages.warnings.empty());
   EXPECT_TRUE(messages.errors.empty());
-  pair.mapper()->RemoveAllObservers();
 }
