@@ -235,11 +235,15 @@ std::vector<bench::Figure> errorFigures(
   };
 }
 
-/// At which the largest cells of all trees are small beside the surfaces: errors fall with their order from there on.
-constexpr int coarsestRefinement = 2;
+/// From which on errors fall with their order: the largest cells are small beside the surfaces, and where cells four
+/// levels smaller lie beside such, half as large.
+int coarsestRefinement(const BaseTree& tree)
+{
+  return tree.levels < 4 ? 2 : 3;
+}
 
 /// Also adds rows of orders, which are a table of its own.
-void measureSurface(const BaseTree& tree, const AnalyticSurface& surface, int finestRefinement,
+void measureSurface(const BaseTree& tree, const AnalyticSurface& surface, int refinements,
   bench::Report& report, std::vector<bench::Row>& orderRows)
 {
   const auto labels = [&](const std::string& method) {
@@ -247,7 +251,8 @@ void measureSurface(const BaseTree& tree, const AnalyticSurface& surface, int fi
       { "tree", tree.name }, { "method", method } };
   };
   std::map<std::string, History> histories;
-  for (int refinement = coarsestRefinement; refinement <= finestRefinement; ++refinement)
+  const int coarsest = coarsestRefinement(tree);
+  for (int refinement = coarsest; refinement < coarsest + refinements; ++refinement)
   {
     const auto field = makeField(tree, refinement, surface.field);
     std::vector<Result> results = measureContour(*field, surface);
@@ -283,7 +288,7 @@ void measureIsosurfaceError(const Options& options, bench::Report& errors, bench
   {
     for (const AnalyticSurface& surface : std::span(surfaces).first(options.brief ? 1 : surfaces.size()))
     {
-      measureSurface(tree, surface, coarsestRefinement + (options.brief ? 1 : 2), errors, orderRows);
+      measureSurface(tree, surface, options.brief ? 2 : 3, errors, orderRows);
     }
   }
   for (bench::Row& row : orderRows)
