@@ -61,6 +61,38 @@ bool touches(const CellMask& mask, const PointPlace& place) noexcept
   return (cells >> place.firstBit & inLayer[place.axes & 3]) != 0;
 }
 
+/// Along an axis from 6 cells to 9 points, of `Inner` numbers each. between: of two cells.
+template <int Inner, class Number, class Between>
+void cellsToPoints(const Number* cells, Number* points, const Between& between) noexcept
+{
+  for (int p = 0; p < 9; ++p)
+  {
+    const Number* first = cells + Inner * ((p + 1) / 2);
+    for (int i = 0; i < Inner; ++i)
+    {
+      points[Inner * p + i] = p % 2 == 1 ? first[i] : between(first[i], first[i + Inner]);
+    }
+  }
+}
+
+/// The same along all axes.
+template <class Number, class Between>
+void cellsToPoints(
+  const std::array<Number, 216>& cells, std::array<Number, 729>& points, const Between& between) noexcept
+{
+  std::array<Number, 9 * 36> alongZ;
+  std::array<Number, 81 * 6> alongZY;
+  cellsToPoints<36>(cells.data(), alongZ.data(), between);
+  for (int z = 0; z < 9; ++z)
+  {
+    cellsToPoints<6>(alongZ.data() + 36 * z, alongZY.data() + 54 * z, between);
+  }
+  for (int row = 0; row < 81; ++row)
+  {
+    cellsToPoints<1>(alongZY.data() + 6 * row, points.data() + 9 * row, between);
+  }
+}
+
 constexpr int vertexOfPoint(int point)
 {
   return point % 9 - 2 + 5 * (point / 9 % 9 - 2) + 25 * (point / 81 - 2);
@@ -295,23 +327,24 @@ GradientEvaluator::Level& GradientEvaluator::levelAt(int depth) noexcept
     level.vertices = nullptr;
     this->gather(depth, level);
     this->measure(depth, level);
-    level.known.reset();
+    this->meanCells(level);
+    level.hasSpecial = std::ranges::any_of(level.special, [](std::uint64_t mask) { return mask != 0; });
     level.gradientKnown.reset();
   }
   return level;
 }
 
-/// The mean of the cells around a point, all leaves of one size.
-template <unsigned Axes>
-double meanAround(const double* first) noexcept
+/// The values of the points that no special cell touches: of leaves of one size all around.
+void GradientEvaluator::meanCells(Level& level) const noexcept
 {
-  constexpr std::array steps = cellSteps<Axes>();
-  double sum = 0.;
-  for (const int step : steps)
+  cellsToPoints(level.cellValue, level.value, [](double a, double b) { return 0.5 * (a + b); });
+  constexpr std::uint8_t regular = isKnown | isThere | isEven;
+  std::array<std::uint8_t, cellCount> cells;
+  for (int cell = 0; cell < cellCount; ++cell)
   {
-    sum += first[step];
+    cells[cell] = (level.special[cell / 36] >> cell % 36 & 1) != 0 ? unknown : regular;
   }
-  return sum * (1. / steps.size());
+  cellsToPoints(cells, level.state, [](std::uint8_t a, std::uint8_t b) -> std::uint8_t { return a & b; });
 }
 
 /// Calls f<axes>() for a mask that is known when the program runs, and returns what it does.
@@ -342,29 +375,30 @@ auto withAxes(unsigned axes, const F& f) noexcept
 /// Of a point of the path's node at a depth, whose level it is.
 GradientEvaluator::Value GradientEvaluator::valueAt(int depth, Level& level, int point) noexcept
 {
-  if (level.known[point])
-  {
-    return level.value[point];
-  }
+  return level.state[point] != unknown ? Value{ level.value[point], level.state[point] }
+                                       : this->valueBesideSpecial(depth, level, point);
+}
+
+GradientEvaluator::Value GradientEvaluator::valueBesideSpecial(int depth, Level& level, int point) noexcept
+{
   const PointPlace& place = pointPlaces[point];
-  if (!touches(level.special, place))
-  {
-    const double* first = level.cellValue.data() + place.firstCell;
-    return { withAxes(place.axes, [&]<unsigned Axes>() noexcept { return meanAround<Axes>(first); }), true,
-      allAxes };
-  }
+  Value found;
   if (touches(level.coarse, place))
   {
-    level.known[point] = true;
-    return level.value[point] = this->betweenCoarser(depth, point); // which leaves this level as it is
+    found = this->betweenCoarser(depth, point); // which leaves this level as it is
   }
-  if (level.vertices && touches(level.drawn, place))
+  else if (level.vertices && touches(level.drawn, place))
   {
-    return { (*level.vertices)[vertexOfPoint(point)], true, allAxes };
+    return { (*level.vertices)[vertexOfPoint(point)], isKnown | isThere | isEven }; // rounded otherwise: not kept
   }
-  level.known[point] = true;
-  return level.value[point] = withAxes(place.axes,
-           [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
+  else
+  {
+    found = withAxes(place.axes,
+      [&]<unsigned Axes>() noexcept { return this->onLattice<Axes>(depth, level, place.firstCell); });
+  }
+  level.value[point] = found.value;
+  level.state[point] = found.state;
+  return found;
 }
 
 /// Of one that does not hang.
@@ -425,7 +459,7 @@ GradientEvaluator::Value GradientEvaluator::onLattice(
       }
     }
   }
-  return { cells.value(), true, evenAxes(sides) };
+  return { cells.value(), static_cast<std::uint8_t>(isKnown | isThere | evenAxes(sides)) };
 }
 
 /// A point that only finer leaves touch: a corner of theirs, at the level of the largest. around: the nodes of one
@@ -448,7 +482,7 @@ GradientEvaluator::Value GradientEvaluator::amidFiner(std::array<NodeRef, 8> aro
     }
     if (!any)
     {
-      return { 0., false, 0 };
+      return { 0., isKnown };
     }
   }
   WeightedCells<3> cells;
@@ -464,7 +498,7 @@ GradientEvaluator::Value GradientEvaluator::amidFiner(std::array<NodeRef, 8> aro
       sides |= 1u << side;
     }
   }
-  return { cells.value(), true, evenAxes(sides) };
+  return { cells.value(), static_cast<std::uint8_t>(isKnown | isThere | evenAxes(sides)) };
 }
 
 /// Calls f(point) for those of the next coarser level that a point lies halfway between, and returns their number.
@@ -495,11 +529,11 @@ int GradientEvaluator::forCoarser(int depth, int point, const F& f) noexcept
 GradientEvaluator::Value GradientEvaluator::betweenCoarser(int depth, int point) noexcept
 {
   Level& coarser = this->levelAt(depth - 1);
-  Value sum{ 0., true, allAxes };
+  Value sum{ 0., isKnown | isThere | isEven };
   const int count = this->forCoarser(depth, point, [&](int p) {
     const Value one = this->valueAt(depth - 1, coarser, p);
     sum.value += one.value;
-    sum.evenAxes &= one.evenAxes;
+    sum.state &= one.state | isThere;
   });
   sum.value /= count;
   return sum;
@@ -545,7 +579,7 @@ double GradientEvaluator::slopeAt(int depth, Level& level, int axis, int point) 
 {
   const Value low = this->valueAt(depth, level, point - 2 * pointStride[axis]);
   const Value high = this->valueAt(depth, level, point + 2 * pointStride[axis]);
-  if ((low.evenAxes & high.evenAxes) >> axis & 1)
+  if ((low.state & high.state) >> axis & 1)
   {
     const double* at = level.at[axis].data() + pointPlaces[point].at[axis];
     return (high.value - low.value) / (at[2] - at[-2]);
@@ -565,14 +599,82 @@ double GradientEvaluator::slopeBesideMissing(int depth, Level& level, int axis, 
     const auto high = std::find_if(along.rbegin(), along.rend(), counts);
     return std::pair(static_cast<int>(low - along.begin()), 4 - static_cast<int>(high - along.rbegin()));
   };
-  auto [low, high] = outermost([axis](const Value& v) { return v.evenAxes >> axis & 1; });
+  auto [low, high] = outermost([axis](const Value& v) { return v.state >> axis & 1; });
   if (low >= high)
   {
-    std::tie(low, high) = outermost([](const Value& v) { return v.isThere; });
+    std::tie(low, high) = outermost([](const Value& v) { return (v.state & isThere) != 0; });
   }
   // Of a vertex that a cell touches there are two of the points.
   const double* at = level.at[axis].data() + pointPlaces[point].at[axis] - 2;
   return low < high ? (along[high].value - along[low].value) / (at[high] - at[low]) : 0.;
+}
+
+namespace
+{
+
+/// Calls f(vertex, its point) for some of a block's.
+template <class F>
+void forAll(const BlockVertices& vertices, const F& f) noexcept
+{
+  for (int z = 0; z < block::verticesPerEdge; ++z)
+  {
+    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+    {
+      const int bit = std::countr_zero(rest);
+      f(bit + block::vertexStride[2] * z,
+        bit % 5 + 2 + pointStride[1] * (bit / 5 + 2) + pointStride[2] * (z + 2));
+    }
+  }
+}
+
+} // namespace
+
+/// Many of the path's node: the slopes of all at once, and those anew that are none between two even points.
+void GradientEvaluator::computeMany(
+  int depth, Level& level, const BlockVertices& vertices, BlockGradients& gradients) noexcept
+{
+  std::array<std::int16_t, block::vertexCount> others; // points of vertices
+  int otherCount = 0;
+  if (level.hasSpecial)
+  {
+    forAll(vertices, [&](int /*vertex*/, int point) {
+      bool isOther = touches(level.coarse, pointPlaces[point]);
+      for (int a = 0; a < 3 && !isOther; ++a)
+      {
+        const Value low = this->valueAt(depth, level, point - 2 * pointStride[a]);
+        const Value high = this->valueAt(depth, level, point + 2 * pointStride[a]);
+        isOther = (low.state & high.state & 1 << a) == 0;
+      }
+      others[otherCount] = static_cast<std::int16_t>(point);
+      otherCount += isOther;
+    });
+  }
+  std::array<std::array<double, block::verticesPerEdge>, 3> width;
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int i = 0; i < block::verticesPerEdge; ++i)
+    {
+      width[a][i] = level.at[a][i + 4] - level.at[a][i];
+    }
+  }
+  for (int z = 0; z < block::verticesPerEdge; ++z)
+  {
+    for (int y = 0; y < block::verticesPerEdge; ++y)
+    {
+      const double* value = level.value.data() + 2 + pointStride[1] * (y + 2) + pointStride[2] * (z + 2);
+      Vec3* row = gradients.data() + block::vertexStride[1] * y + block::vertexStride[2] * z;
+      const auto rise = [value](int x, int axis) {
+        return value[x + 2 * pointStride[axis]] - value[x - 2 * pointStride[axis]];
+      };
+      for (int x = 0; x < block::verticesPerEdge; ++x)
+      {
+        row[x] = { rise(x, 0) / width[0][x], rise(x, 1) / width[1][y], rise(x, 2) / width[2][z] };
+      }
+    }
+  }
+  std::for_each_n(others.begin(), otherCount, [&](int point) {
+    gradients[vertexOfPoint(point)] = this->gradientAt(depth, level, point);
+  });
 }
 
 void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
@@ -587,14 +689,21 @@ void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const B
   this->moveTo(path);
   Level& level = this->levelAt(path.depth);
   level.vertices = level.isComplete ? values : nullptr;
-  for (int z = 0; z < block::verticesPerEdge; ++z)
+  int count = 0;
+  for (const std::uint32_t mask : vertices)
   {
-    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
-    {
-      const int bit = std::countr_zero(rest);
-      const int point = bit % 5 + 2 + pointStride[1] * (bit / 5 + 2) + pointStride[2] * (z + 2);
-      gradients[bit + block::vertexStride[2] * z] = this->gradientAt(path.depth, level, point);
-    }
+    count += std::popcount(mask);
+  }
+  constexpr int many = 27;
+  if (count >= many && !level.vertices)
+  {
+    this->computeMany(path.depth, level, vertices, gradients);
+  }
+  else
+  {
+    forAll(vertices, [&](int vertex, int point) {
+      gradients[vertex] = this->gradientAt(path.depth, level, point);
+    });
   }
   level.vertices = nullptr; // the caller's
 }

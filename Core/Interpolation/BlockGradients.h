@@ -71,12 +71,18 @@ private:
   static constexpr int cellCount = cellsPerEdge * cellsPerEdge * cellsPerEdge;
   static constexpr int pointCount = pointsPerEdge * pointsPerEdge * pointsPerEdge;
 
-  static constexpr std::uint8_t allAxes = 7;
+  /// Of a point's value. Bits 1, 2, 4: the axes along which the point is even; none where no cell touches it.
+  enum ValueState : std::uint8_t
+  {
+    unknown = 0,
+    isEven = 7,
+    isThere = 8, // some cell touches the point
+    isKnown = 16
+  };
   struct Value
   {
     double value;
-    bool isThere;          // some cell touches the point
-    std::uint8_t evenAxes; // mask; none where no cell touches it
+    std::uint8_t state;
   };
   /// Of cells, by z, with the bits x + 6 y.
   using CellMask = std::array<std::uint64_t, cellsPerEdge>;
@@ -85,14 +91,15 @@ private:
     std::uint64_t node = noNode;
     CellMask coarse;                                     // parts of coarser leaves
     CellMask special;                                    // and what else is no leaf of this size
+    bool hasSpecial;
     CellMask drawn;                                      // the node's children that are leaves
     bool isComplete;                                     // no cell is missing
     const Values* vertices;                              // of the drawn children; null: not at hand
     std::array<double, cellCount> cellValue;             // 0 of coarse and missing ones
     std::array<std::uint64_t, cellCount> inner;          // of special cells; noNode: it is missing or coarse
     std::array<std::array<double, pointsPerEdge>, 3> at; // world coordinates of the points, from the first on
-    std::bitset<pointCount> known;
-    std::array<Value, pointCount> value; // of points beside special cells
+    std::array<double, pointCount> value;
+    std::array<std::uint8_t, pointCount> state; // of values
     std::bitset<block::vertexCount> gradientKnown;
     BlockGradients gradient;
   };
@@ -106,13 +113,16 @@ private:
   void measure(int depth, Level& level) const noexcept;
   Level& levelAt(int depth) noexcept;
 
+  void meanCells(Level& level) const noexcept;
   Value valueAt(int depth, Level& level, int point) noexcept;
+  Value valueBesideSpecial(int depth, Level& level, int point) noexcept;
   template <unsigned Axes>
   Value onLattice(int depth, const Level& level, int firstCell) const noexcept;
   Value amidFiner(std::array<NodeRef, 8> around) const noexcept;
   Value betweenCoarser(int depth, int point) noexcept;
   template <class F>
   int forCoarser(int depth, int point, const F& f) noexcept;
+  void computeMany(int depth, Level& level, const BlockVertices& vertices, BlockGradients& gradients) noexcept;
   Vec3 gradientAt(int depth, Level& level, int vertex) noexcept;
   double slopeAt(int depth, Level& level, int axis, int point) noexcept;
   double slopeBesideMissing(int depth, Level& level, int axis, int point) noexcept;

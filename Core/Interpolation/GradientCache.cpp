@@ -13,38 +13,38 @@ namespace treeamr
 BlockGradientRecord::BlockGradientRecord(
   const BlockGradients& gradients, const BlockVertices& vertices, double scale) noexcept
 {
-  const auto forAll = [&](const auto& f) {
-    for (int z = 0; z < block::verticesPerEdge; ++z)
+  std::array<std::array<double, block::vertexCount>, 3> slopes{}; // by axis; none of vertices that were not asked for
+  for (int z = 0; z < block::verticesPerEdge; ++z)
+  {
+    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
     {
-      for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+      const int v = std::countr_zero(rest) + block::vertexStride[2] * z;
+      for (int a = 0; a < 3; ++a)
       {
-        f(static_cast<std::size_t>(std::countr_zero(rest) + block::vertexStride[2] * z));
+        const double slope = gradients[v][a] * scale;
+        slopes[a][v] = std::isfinite(slope) ? slope : 0.;
       }
     }
-  };
-  const auto scaled = [&](std::size_t v, int axis) {
-    const double slope = gradients[v][axis] * scale;
-    return std::isfinite(slope) ? slope : 0.;
-  };
+  }
   double largest = 0.;
-  forAll([&](std::size_t v) {
-    for (int a = 0; a < 3; ++a)
+  for (const auto& ofAxis : slopes)
+  {
+    for (const double slope : ofAxis)
     {
-      largest = std::max(largest, std::abs(scaled(v, a)));
+      largest = std::max(largest, std::abs(slope));
     }
-  });
+  }
   length = static_cast<float>(largest / most);
   const double perLength = largest > 0. ? most / largest : 0.;
-  for (auto& ofAxis : steps)
+  for (int a = 0; a < 3; ++a)
   {
-    ofAxis.fill(static_cast<std::uint16_t>(zero));
-  }
-  forAll([&](std::size_t v) {
-    for (int a = 0; a < 3; ++a)
+    steps[a].fill(static_cast<std::uint16_t>(zero));
+    for (int v = 0; v < block::vertexCount; ++v)
     {
-      steps[a][v] = static_cast<std::uint16_t>(zero + std::nearbyint(scaled(v, a) * perLength));
+      // Rounded: what is cut off is positive.
+      steps[a][v] = static_cast<std::uint16_t>(static_cast<int>(slopes[a][v] * perLength + (zero + 0.5)));
     }
-  });
+  }
 }
 
 const BlockGradientRecord* GradientCache::keep(

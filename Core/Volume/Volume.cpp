@@ -9,9 +9,10 @@
 #include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -177,6 +178,18 @@ struct Volume::Colors
   std::unique_ptr<BlockCache> kept{};
 };
 
+namespace
+{
+
+/// A block's gradients take more than three times as much as its values, and much longer to compute.
+std::size_t gradientBudget(std::size_t ofValues) noexcept
+{
+  constexpr std::size_t times = 4;
+  return std::min(ofValues, std::numeric_limits<std::size_t>::max() / times) * times;
+}
+
+} // namespace
+
 Volume::~Volume() = default;
 Volume::Volume(Volume&&) noexcept = default;
 Volume& Volume::operator=(Volume&&) noexcept = default;
@@ -227,26 +240,28 @@ std::size_t Volume::keptBytes() const noexcept
     (colors_ && colors_->kept ? colors_->kept->byteSize() : 0);
 }
 
-/// Gradients and colours take their parts of the budget while frames use them, and nothing else.
+/// Gradients and colours take memory while frames use them alone.
 void Volume::prepareMemory(bool withGradients, bool withColors, bool withMeans)
 {
-  const std::array<std::size_t, 3> shares{ BlockCache::blockBytes,
-    withGradients ? GradientCache::blockBytes : 0, withColors ? BlockCache::blockBytes : 0 };
-  const auto bytesOf = [&](std::size_t share) {
-    const std::size_t all = std::accumulate(shares.begin(), shares.end(), std::size_t(0));
-    return static_cast<std::size_t>(
-      static_cast<double>(share) / static_cast<double>(all) * static_cast<double>(budget_));
-  };
-  if (!kept_ || shares != shares_)
+  if (!kept_)
   {
-    forgetKept(); // the old ones' memory first
-    kept_ = std::make_unique<BlockCache>(*field_, bytesOf(shares[0]));
-    keptGradients_ = withGradients ? std::make_unique<GradientCache>(*field_, bytesOf(shares[1])) : nullptr;
-    shares_ = shares;
+    kept_ = std::make_unique<BlockCache>(*field_, budget_);
   }
-  if (withColors && !colors_->kept)
+  if (!withGradients)
   {
-    colors_->kept = std::make_unique<BlockCache>(*colors_->field, bytesOf(shares[2]));
+    keptGradients_ = nullptr;
+  }
+  else if (!keptGradients_)
+  {
+    keptGradients_ = std::make_unique<GradientCache>(*field_, gradientBudget(budget_));
+  }
+  if (colors_ && !withColors)
+  {
+    colors_->kept = nullptr;
+  }
+  else if (withColors && !colors_->kept)
+  {
+    colors_->kept = std::make_unique<BlockCache>(*colors_->field, budget_);
   }
   if (withMeans)
   {

@@ -8,7 +8,6 @@
 #include "MemoryBudget.h"
 #include "Volume/VolumeSettings.h"
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -36,8 +35,9 @@ struct PixelGroup
 class Volume
 {
 public:
-  /// transferFunction: over the field's values less its offset. Keeps vertex values within keptBytes; too few keep
-  /// none. Throws Error without a field, and as setTransferFunction().
+  /// transferFunction: over the field's values less its offset. Keeps vertex values within keptBytes, those of a
+  /// field that colours within as many, and while frames are lit their vertex gradients within four times as many; too
+  /// few keep none. Throws Error without a field, and as setTransferFunction().
   Volume(std::shared_ptr<const Field> field, TransferFunction transferFunction,
     std::size_t keptBytes = defaultKeptBytes);
   ~Volume();
@@ -58,7 +58,7 @@ public:
 
   /// Forgets the vertex values, unless these are the bytes that it was given before.
   void setKeptBytes(std::size_t bytes);
-  /// That vertex values take.
+  /// That vertex values and gradients take.
   std::size_t keptBytes() const noexcept;
 
   /// Renders into `image` (overwritten). A ray is integrated from stop to stop, with no sample across one; what the
@@ -88,8 +88,7 @@ private:
   std::shared_ptr<const Field> field_;
   TransferFunction transferFunction_;
   std::unique_ptr<VolumeTable> table_;           // of the last frame; null: of another function
-  std::size_t budget_;                           // of bytes
-  std::array<std::size_t, 3> shares_{};          // that what is kept has in them
+  std::size_t budget_;                           // of bytes, for values
   std::unique_ptr<BlockCache> kept_;             // null: no frame has been rendered
   std::unique_ptr<GradientCache> keptGradients_; // null: the last frame was not lit
   std::unique_ptr<Colors> colors_;               // null: the transfer function's

@@ -110,7 +110,8 @@ public:
   ///@}
   ///@{
   /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed
-  /// again; 0 keeps none. Only what was seen takes memory. Never changes a pixel. Default 512.
+  /// again; 0 keeps none. While the volume is shaded or has gradient opacity, gradients may take four times as much.
+  /// Only what was seen takes memory. Never changes a pixel. Default 512.
   virtual void SetVertexCacheSize(int value);
   vtkGetMacro(VertexCacheSize, int);
   ///@}

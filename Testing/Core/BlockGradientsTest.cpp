@@ -159,7 +159,8 @@ TEST(BlockGradients, AreTheSameWithTheBlocksValuesAtHand)
       alone.compute(BlockPath(block), BlockCells::Leaves, vertices, without);
       for (int v = 0; v < block::vertexCount; ++v)
       {
-        for (int a = 0; a < 3; ++a)
+        const bool isAsked = vertices[v / 25] >> v % 25 & 1;
+        for (int a = 0; a < 3 && isAsked; ++a)
         {
           ASSERT_NEAR(with[v][a], without[v][a], 1e-12) << "seed " << options.seed << ", vertex " << v;
         }

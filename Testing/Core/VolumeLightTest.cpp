@@ -425,6 +425,12 @@ TEST(VolumeLight, MemoryAndLevelsOfDetail)
   EXPECT_EQ(unlit.gradients + unlit.keptGradients, 0u);
   EXPECT_LT(volume.keptBytes(), litBytes);
   EXPECT_EQ(before.rgba, after.rgba);
+  // Where the values of a frame are kept its gradients are, too.
+  Volume small = volumeOf(*field, colors(), volume.keptBytes());
+  small.render(camera, settings, again);
+  const VolumeStatistics inLittle = small.render(camera, settings, again);
+  EXPECT_EQ(inLittle.gradients + inLittle.blocks, 0u);
+  EXPECT_EQ(kept.rgba, again.rgba);
   // Drafts are drawn from means, with gradients of theirs.
   settings.levelOfDetailPixels = 20.;
   Image coarse(width, height);

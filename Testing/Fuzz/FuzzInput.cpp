@@ -68,13 +68,13 @@ std::string writeFiles(std::initializer_list<std::pair<std::string, Bytes>> file
   return folder.file("");
 }
 
-HeapWatch::HeapWatch(std::size_t inputBytes, std::size_t lattice)
+HeapWatch::HeapWatch(std::size_t inputBytes, std::size_t meant)
 {
   static const bool isInstalled = __sanitizer_install_malloc_and_free_hooks &&
     __sanitizer_install_malloc_and_free_hooks(addBlock, removeBlock) != 0;
   (void)isInstalled;
-  mostBytes = 4 * inputBytes + ofAnyInput + lattice;
-  mostInAll = static_cast<std::int64_t>(ofEachByte * inputBytes + ofAnyInputInAll + 4 * lattice);
+  mostBytes = 4 * inputBytes + ofAnyInput + meant;
+  mostInAll = static_cast<std::int64_t>(ofEachByte * inputBytes + ofAnyInputInAll + 4 * meant);
   inAll = 0;
   isWatching = true;
 }

@@ -38,8 +38,8 @@ std::string writeFiles(std::initializer_list<std::pair<std::string, Bytes>> file
 class HeapWatch
 {
 public:
-  /// lattice: what planes between roots that the input puts far apart may take.
-  explicit HeapWatch(std::size_t inputBytes, std::size_t lattice = 0);
+  /// meant: bytes that the input stands for beside its own, such as planes between roots that it puts far apart.
+  explicit HeapWatch(std::size_t inputBytes, std::size_t meant = 0);
   ~HeapWatch();
   HeapWatch(const HeapWatch&) = delete;
   HeapWatch& operator=(const HeapWatch&) = delete;

@@ -30,7 +30,8 @@ void tryTo(const Parse& parse)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-  const fuzz::HeapWatch watch(size);
+  // A name of two bytes may be a field that 27 stored values are weighted for.
+  const fuzz::HeapWatch watch(size, 128 * size);
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   tryTo([&] { PayloadLayout::parse(text); });
   tryTo([&] { parseDealIIBlocks(text); });
