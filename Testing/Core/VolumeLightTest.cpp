@@ -114,6 +114,7 @@ std::vector<std::pair<const char*, VolumeShading>> shadings()
   scene.specularPower = 25.f;
   VolumeShading oneSided = scene;
   oneSided.twoSided = false;
+  oneSided.specularPower = 12.5f;
   VolumeShading spots = base;
   spots.lights = { spot(), positional({ -2., 1., 0.5 }) };
   VolumeShading dark = base;

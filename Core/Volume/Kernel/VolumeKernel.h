@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,6 +44,25 @@ struct SceneFeatures
 
 struct VolumeKernelScene;
 
+/// A power of cosines.
+struct Falloff
+{
+  explicit Falloff(double power) noexcept
+    : exponent(power)
+  {
+    constexpr double mostMultiplied = 1024.;
+    if (power <= mostMultiplied && power == std::floor(power))
+    {
+      whole = static_cast<int>(power);
+      least = power > 0. ? std::exp2(-60. / power) : 0.;
+    }
+  }
+
+  double exponent;
+  int whole = -1;    // the same, to multiply by; negative: none
+  double least = 0.; // what is less has a power that floats need not tell from 0, and could hardly
+};
+
 /// Of VolumeShading, with its coefficients in the colours.
 struct KernelLight
 {
@@ -53,7 +73,7 @@ struct KernelLight
   Vec3 position;
   Vec3 direction;
   double coneCosine;
-  double exponent;
+  Falloff inCone{ 0. };
   Vec3 attenuation;
   Vec3 diffuse;
   Vec3 specular;
@@ -73,7 +93,7 @@ struct VolumeIllumination
   bool seesAlongRays = false;
   double ambient = 0.;
   Vec3 ambientLight{};
-  double specularPower = 1.;
+  Falloff ofHighlights{ 1. };
   std::vector<KernelLight> lights;
   std::array<Vec3, 3> normalFromGradient{};              // rows; up to a positive factor
   std::array<std::array<double, 4>, 3> viewFromKernel{}; // rows

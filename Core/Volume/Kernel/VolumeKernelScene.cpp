@@ -59,7 +59,7 @@ void VolumeIllumination::place(const VolumeShading& shading, const VolumeKernelS
 {
   twoSided = shading.twoSided;
   ambient = shading.ambient;
-  specularPower = shading.specularPower;
+  ofHighlights = Falloff(shading.specularPower);
   std::copy_n(shading.ambientLight.begin(), 3, ambientLight.begin());
   const Matrix4& m = shading.lightsFromData;
   std::array<Vec3, 3> rows; // of directions
@@ -121,7 +121,7 @@ void VolumeIllumination::addLights(const VolumeShading& shading, double unit)
     light.isCone = from.positional && from.coneAngle < 90.;
     light.direction = from.direction;
     light.coneCosine = std::cos(from.coneAngle * std::numbers::pi / 180.);
-    light.exponent = from.exponent;
+    light.inCone = Falloff(from.exponent);
     light.attenuation = { from.attenuation[0], from.attenuation[1] * unit,
       from.attenuation[2] * unit * unit };
     light.isAtEye =

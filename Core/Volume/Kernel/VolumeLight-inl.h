@@ -64,15 +64,27 @@ HWY_INLINE Reals<Real> logarithm(Reals<Real> x)
   return mulAdd(natural, hn::Set(d, Real(std::numbers::log2e)), exponent);
 }
 
-/// Of numbers in [0, 1]; 0 of 0.
+/// Of numbers in [0, 1].
 template <class Real>
-HWY_INLINE Reals<Real> power(Reals<Real> x, Real exponent)
+HWY_INLINE Reals<Real> power(Reals<Real> x, const Falloff& falloff)
 {
   const RealTag<Real> d;
-  const Mask<Real> isPositive = hn::Gt(x, hn::Set(d, std::numeric_limits<Real>::min()));
   const Reals<Real> one = hn::Set(d, Real(1));
-  const Reals<Real> depth =
-    hn::Mul(hn::Set(d, exponent), logarithm<Real>(hn::IfThenElse(isPositive, hn::Min(x, one), one)));
+  if (falloff.whole >= 0)
+  {
+    Reals<Real> square =
+      hn::IfThenElseZero(hn::Ge(x, hn::Set(d, static_cast<Real>(falloff.least))), hn::Min(x, one));
+    Reals<Real> result = one;
+    for (auto rest = static_cast<unsigned>(falloff.whole); rest != 0; rest >>= 1)
+    {
+      result = (rest & 1) != 0 ? hn::Mul(result, square) : result;
+      square = hn::Mul(square, square);
+    }
+    return result;
+  }
+  const Mask<Real> isPositive = hn::Gt(x, hn::Set(d, std::numeric_limits<Real>::min()));
+  const Reals<Real> depth = hn::Mul(hn::Set(d, static_cast<Real>(falloff.exponent)),
+    logarithm<Real>(hn::IfThenElse(isPositive, hn::Min(x, one), one)));
   return hn::IfThenElseZero(isPositive, hn::Sub(one, heldBack(hn::Min(depth, hn::Zero(d)))));
 }
 
@@ -310,8 +322,7 @@ private:
       const Reals<Real> closeness =
         hn::Sub(hn::Mul(hn::Add(cosine, cosine), towards), dotted<Real>(travels, sight));
       const Reals<Real> highlight = hn::IfThenElseZero(hn::Gt(facing, hn::Zero(d)),
-        hn::Mul(
-          arrives, power<Real>(hn::ZeroIfNegative(closeness), static_cast<Real>(scene_.specularPower))));
+        hn::Mul(arrives, power<Real>(hn::ZeroIfNegative(closeness), scene_.ofHighlights)));
       for (int c = 0; c < 3; ++c)
       {
         effect.plus[c] = mulAdd(highlight, hn::Set(d, static_cast<Real>(light.specular[c])), effect.plus[c]);
@@ -343,7 +354,7 @@ private:
         set(light.direction[2]) };
       const Reals<Real> cosine = dotted<Real>(travels, direction);
       arrives = hn::IfThenElseZero(hn::Ge(cosine, set(light.coneCosine)),
-        hn::Mul(arrives, power<Real>(hn::ZeroIfNegative(cosine), static_cast<Real>(light.exponent))));
+        hn::Mul(arrives, power<Real>(hn::ZeroIfNegative(cosine), light.inCone)));
     }
     return arrives;
   }
