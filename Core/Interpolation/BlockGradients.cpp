@@ -389,7 +389,8 @@ GradientEvaluator::Value GradientEvaluator::valueBesideSpecial(int depth, Level&
   }
   else if (level.vertices && touches(level.drawn, place))
   {
-    return { (*level.vertices)[vertexOfPoint(point)], isKnown | isThere | isEven }; // rounded otherwise: not kept
+    return { (*level.vertices)[vertexOfPoint(point)],
+      isKnown | isThere | isEven }; // rounded otherwise: not kept
   }
   else
   {
@@ -672,9 +673,8 @@ void GradientEvaluator::computeMany(
       }
     }
   }
-  std::for_each_n(others.begin(), otherCount, [&](int point) {
-    gradients[vertexOfPoint(point)] = this->gradientAt(depth, level, point);
-  });
+  std::for_each_n(others.begin(), otherCount,
+    [&](int point) { gradients[vertexOfPoint(point)] = this->gradientAt(depth, level, point); });
 }
 
 void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const BlockVertices& vertices,
@@ -701,9 +701,8 @@ void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const B
   }
   else
   {
-    forAll(vertices, [&](int vertex, int point) {
-      gradients[vertex] = this->gradientAt(path.depth, level, point);
-    });
+    forAll(vertices,
+      [&](int vertex, int point) { gradients[vertex] = this->gradientAt(path.depth, level, point); });
   }
   level.vertices = nullptr; // the caller's
 }

@@ -89,8 +89,8 @@ private:
   struct Level
   {
     std::uint64_t node = noNode;
-    CellMask coarse;                                     // parts of coarser leaves
-    CellMask special;                                    // and what else is no leaf of this size
+    CellMask coarse;  // parts of coarser leaves
+    CellMask special; // and what else is no leaf of this size
     bool hasSpecial;
     CellMask drawn;                                      // the node's children that are leaves
     bool isComplete;                                     // no cell is missing
@@ -122,7 +122,8 @@ private:
   Value betweenCoarser(int depth, int point) noexcept;
   template <class F>
   int forCoarser(int depth, int point, const F& f) noexcept;
-  void computeMany(int depth, Level& level, const BlockVertices& vertices, BlockGradients& gradients) noexcept;
+  void computeMany(
+    int depth, Level& level, const BlockVertices& vertices, BlockGradients& gradients) noexcept;
   Vec3 gradientAt(int depth, Level& level, int vertex) noexcept;
   double slopeAt(int depth, Level& level, int axis, int point) noexcept;
   double slopeBesideMissing(int depth, Level& level, int axis, int point) noexcept;

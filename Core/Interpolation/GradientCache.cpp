@@ -13,7 +13,8 @@ namespace treeamr
 BlockGradientRecord::BlockGradientRecord(
   const BlockGradients& gradients, const BlockVertices& vertices, double scale) noexcept
 {
-  std::array<std::array<double, block::vertexCount>, 3> slopes{}; // by axis; none of vertices that were not asked for
+  std::array<std::array<double, block::vertexCount>, 3>
+    slopes{}; // by axis; none of vertices that were not asked for
   for (int z = 0; z < block::verticesPerEdge; ++z)
   {
     for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)

@@ -123,9 +123,9 @@ public:
           return inTable(toTable, between<Real>(f, lower, upper));
         };
         const Reals<Real> quarter = hn::Mul(halfSize, half<Real>());
-        const Reals<Real> largest =
-          largestOf(after(hn::Neg(halfSize)), after(hn::Neg(quarter)), after(hn::Zero(d)), after(halfSize));
-        most = hn::IfThenElse(isMore, hn::Max(most, hn::Min(largest, bound)), most);
+        const Reals<Real> largest = largestOf(
+          after(hn::Neg(halfSize)), after(hn::Neg(quarter)), after(hn::Zero(d)), after(halfSize), most);
+        most = hn::IfThenElse(isMore, hn::Min(largest, bound), most);
       }
       at = hn::Add(at, size);
     }
@@ -170,17 +170,23 @@ private:
     return most;
   }
 
+  /// Of a cubic along an octant, unless that is less than `most`.
   static HWY_INLINE Reals<Real> largestOf(
-    Reals<Real> begin, Reals<Real> quarter, Reals<Real> middle, Reals<Real> end)
+    Reals<Real> begin, Reals<Real> quarter, Reals<Real> middle, Reals<Real> end, Reals<Real> most)
   {
     const RealTag<Real> d;
-    Reals<Real> largest = hn::Max(begin, end);
+    Reals<Real> largest = hn::Max(hn::Max(begin, end), most);
     const CubicPiece<Real> piece(begin, quarter, middle, end);
+    const Mask<Real> mayTurn = hn::Lt(largest, piece.mostInside(end));
+    if (hn::AllFalse(d, mayTurn))
+    {
+      return largest;
+    }
     const typename CubicPiece<Real>::Turns turns = piece.turns();
     for (const Reals<Real> u : turns.at)
     {
-      const Mask<Real> isInside =
-        hn::And(turns.areReal, hn::And(hn::Gt(u, hn::Zero(d)), hn::Lt(u, hn::Set(d, Real(1)))));
+      const Mask<Real> isInside = hn::And(
+        hn::And(mayTurn, turns.areReal), hn::And(hn::Gt(u, hn::Zero(d)), hn::Lt(u, hn::Set(d, Real(1)))));
       largest = hn::IfThenElse(isInside, hn::Max(largest, piece(hn::IfThenElseZero(isInside, u))), largest);
     }
     return largest;

@@ -95,6 +95,16 @@ struct CubicPiece
     return mulAdd(cubic, shape, mulAdd(u, mulAdd(bend, u, slope), begin));
   }
 
+  /// What it does not exceed between its ends where these are less: the larger one of its inner Bernstein coefficients.
+  HWY_INLINE Reals<Real> mostInside(Reals<Real> end) const
+  {
+    const Reals<Real> halfCubic = times(Real(0.5), cubic);
+    const Reals<Real> slopeAtBegin = hn::Add(slope, halfCubic);
+    const Reals<Real> slopeAtEnd = hn::Add(mulAdd(hn::Set(RealTag<Real>(), Real(2)), bend, slope), halfCubic);
+    return hn::Max(
+      hn::Add(begin, times(Real(1) / 3, slopeAtBegin)), hn::Sub(end, times(Real(1) / 3, slopeAtEnd)));
+  }
+
   /// Where its derivative vanishes, inside or outside; NaN is no place.
   struct Turns
   {
