@@ -342,7 +342,7 @@ void GradientEvaluator::meanCells(Level& level) const noexcept
   std::array<std::uint8_t, cellCount> cells;
   for (int cell = 0; cell < cellCount; ++cell)
   {
-    cells[cell] = (level.special[cell / 36] >> cell % 36 & 1) != 0 ? unknown : regular;
+    cells[cell] = (level.special[cell / 36] >> cell % 36 & 1) != 0 ? std::uint8_t(unknown) : regular;
   }
   cellsToPoints(cells, level.state, [](std::uint8_t a, std::uint8_t b) -> std::uint8_t { return a & b; });
 }

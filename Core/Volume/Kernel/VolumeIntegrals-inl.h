@@ -328,6 +328,93 @@ struct IntegralLimits
   Real leastTransmittance;
 };
 
+/// A place that rays have come to. The sums are made where a step leaves its row, and kept for the next.
+template <class Real>
+struct Reached
+{
+  Places<Real> places;
+  Sums<Real> sums;
+  bool hasSums = false;
+
+  HWY_INLINE void moveTo(
+    const Places<Real>& after, const Sums<Real>& sumsAfter, bool crossesRows, Mask<Real> taken)
+  {
+    places.at = hn::IfThenElse(taken, after.at, places.at);
+    places.row = hn::IfThenElse(taken, after.row, places.row);
+    places.inRow = hn::IfThenElse(taken, after.inRow, places.inRow);
+    for (int c = 0; c < 4; ++c)
+    {
+      places.term[c] = hn::IfThenElse(taken, after.term[c], places.term[c]);
+      places.ofRow[c] = hn::IfThenElse(taken, after.ofRow[c], places.ofRow[c]);
+    }
+    hasSums = crossesRows;
+    for (int c = 0; c < 4 && crossesRows; ++c)
+    {
+      sums.sum[c] = hn::IfThenElse(taken, sumsAfter.sum[c], sums.sum[c]);
+      sums.rest[c] = hn::IfThenElse(taken, sumsAfter.rest[c], sums.rest[c]);
+    }
+  }
+};
+
+/// The means of both halves of a step, and of the whole; whether it leaves its row.
+template <class Real>
+HWY_INLINE bool meansOfStep(const IntegralTable& table, Reached<Real>& before, const Places<Real>& middle,
+  const Places<Real>& after, Sums<Real>& sumsAfter, Reals<Real> (&mean)[3][4])
+{
+  meanByEnds(before.places, middle, mean[0]);
+  meanByEnds(middle, after, mean[1]);
+  meanByEnds(before.places, after, mean[2]);
+  if (hn::AllTrue(
+        RealTag<Real>(), hn::And(hn::Eq(before.places.row, middle.row), hn::Eq(middle.row, after.row))))
+  {
+    return false;
+  }
+  if (!before.hasSums)
+  {
+    before.sums = findSums(table, before.places);
+  }
+  const Sums<Real> sumsInMiddle = findSums(table, middle);
+  sumsAfter = findSums(table, after);
+  meanByIntegrals<Real>(table, before.places, before.sums, middle, sumsInMiddle, mean[0]);
+  meanByIntegrals<Real>(table, middle, sumsInMiddle, after, sumsAfter, mean[1]);
+  meanOfHalves<Real>(table, before.places, middle, after, mean);
+  return true;
+}
+
+/// What holds much light back shows its front: where its colours differ, halves may agree by chance. The larger one of
+/// what that may change and another error.
+template <class Real>
+HWY_INLINE Reals<Real> errorWithFronts(const IntegralTable& table, const Places<Real>& before,
+  const Places<Real>& middle, const Places<Real>& after, Reals<Real> first, Reals<Real> second,
+  Mask<Real> asked, Reals<Real> error)
+{
+  const RealTag<Real> d;
+  const Mask<Real> isDense = hn::And(asked, hn::Gt(hn::Max(first, second), hn::Set(d, Real(dense))));
+  if (hn::AllFalse(d, isDense))
+  {
+    return error;
+  }
+  const Reals<Real> inMiddle = colorChange<Real>(table, middle);
+  const Reals<Real> front = hn::Mul(first, hn::Abs(hn::Sub(inMiddle, colorChange<Real>(table, before))));
+  const Reals<Real> back = hn::Mul(second, hn::Abs(hn::Sub(colorChange<Real>(table, after), inMiddle)));
+  return hn::Max(
+    error, hn::IfThenElseZero(isDense, hn::Mul(hn::Max(front, back), hn::Set(d, Real(partOfColors)))));
+}
+
+/// Of a step that goes far beyond the table little is in it, and three places tell little of that.
+template <class Real>
+HWY_INLINE Mask<Real> isWide(
+  const IntegralTable& table, const Places<Real>& before, const Places<Real>& after)
+{
+  const RealTag<Real> d;
+  const Reals<Real> begin = hn::Set(d, Real(table.index().first));
+  const Reals<Real> end = hn::Set(d, Real(table.index().last));
+  const Reals<Real> widest = hn::Mul(hn::Set(d, Real(widestStep)), hn::Sub(end, begin));
+  const Reals<Real> ahead = hn::Max(before.at, after.at);
+  const Reals<Real> behind = hn::Min(before.at, after.at);
+  return hn::And(hn::Gt(hn::Sub(ahead, behind), widest), hn::And(hn::Gt(ahead, begin), hn::Lt(behind, end)));
+}
+
 /// Takes rays through their samples; how many steps of the vector that took. Lighting: as of takePoints().
 template <class Real, class Values, class Lighting>
 HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Real>& span,
@@ -335,25 +422,22 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
   const Lattice<Real>& lattice, const Lighting& lighting, Light<Real>& light)
 {
   const RealTag<Real> d;
-  const Reals<Real> zero = hn::Zero(d);
   const Reals<Real> one = hn::Set(d, Real(1));
   const Reals<Real> depthPerSample =
     hn::Mul(span.depthPerExtinction, hn::Set(d, static_cast<Real>(std::numbers::log2e * table.unscale())));
-  Reals<Real> at = zero;    // in samples
-  Reals<Real> wanted = one; // size of the next step
+  const auto placesAt = [&]<int Count>(const Reals<Real>(&parts)[Count], Reals<Real>(&places)[Count]) {
+    sample(span, parts, values, toTable, lattice, places);
+  };
+  Reals<Real> at = hn::Zero(d); // in samples
+  Reals<Real> wanted = one;     // size of the next step
   Reals<Real> start[1];
-  const Reals<Real> starts[1] = { zero };
-  sample(span, starts, values, toTable, lattice, start);
-  Places<Real> before = findPlaces<Real>(table, start[0]);
-  Sums<Real> sumsBefore;
+  const Reals<Real> starts[1] = { at };
+  placesAt(starts, start);
+  Reached<Real> before;
+  before.places = findPlaces<Real>(table, start[0]);
   Sums<Real> sumsAfter;
-  bool hasSums = false; // of `before`
   const ToFaces<Real> toFaces(span);
-  const Reals<Real> tableBegin = hn::Set(d, Real(table.index().first));
-  const Reals<Real> tableEnd = hn::Set(d, Real(table.index().last));
-  const Reals<Real> widest = hn::Mul(hn::Set(d, Real(widestStep)), hn::Sub(tableEnd, tableBegin));
-  std::uint64_t steps = 0;
-  for (;;)
+  for (std::uint64_t steps = 0;; ++steps)
   {
     const Mask<Real> active =
       hn::And(hn::Lt(at, span.samples), hn::Gt(light.transmittance, hn::Set(d, limits.leastTransmittance)));
@@ -361,32 +445,15 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     {
       return steps;
     }
-    ++steps;
     const Reals<Real> size = hn::Min(hn::Min(wanted, toFaces(at)), hn::Sub(span.samples, at));
     const Reals<Real> halfSize = hn::Mul(size, half<Real>());
     const Reals<Real> ends[2] = { hn::Add(at, halfSize), hn::Add(at, size) };
     Reals<Real> position[2];
-    sample(span, ends, values, toTable, lattice, position);
+    placesAt(ends, position);
     const Places<Real> middle = findPlaces<Real>(table, position[0]);
     const Places<Real> after = findPlaces<Real>(table, position[1]);
-    Reals<Real> mean[3][4]; // of both halves, and of the whole
-    meanByEnds(before, middle, mean[0]);
-    meanByEnds(middle, after, mean[1]);
-    meanByEnds(before, after, mean[2]);
-    const bool crossRows =
-      !hn::AllTrue(d, hn::And(hn::Eq(before.row, middle.row), hn::Eq(middle.row, after.row)));
-    if (crossRows)
-    {
-      if (!hasSums)
-      {
-        sumsBefore = findSums(table, before);
-      }
-      const Sums<Real> sumsInMiddle = findSums(table, middle);
-      sumsAfter = findSums(table, after);
-      meanByIntegrals<Real>(table, before, sumsBefore, middle, sumsInMiddle, mean[0]);
-      meanByIntegrals<Real>(table, middle, sumsInMiddle, after, sumsAfter, mean[1]);
-      meanOfHalves<Real>(table, before, middle, after, mean);
-    }
+    Reals<Real> mean[3][4];
+    const bool crossesRows = meansOfStep(table, before, middle, after, sumsAfter, mean);
     if constexpr (Lighting::isLit)
     {
       lightMeans(lighting, span, ends[0], lattice, mean);
@@ -397,43 +464,28 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
       emission<Real>(mean[1], halfDepth, hn::Sub(light.transmittance, first.term[3]));
     const Emission<Real> whole = emission<Real>(mean[2], hn::Mul(size, depthPerSample), light.transmittance);
     Reals<Real> both[4];
-    Reals<Real> error = zero;
+    Reals<Real> error = hn::Zero(d);
     for (int c = 0; c < 4; ++c)
     {
       both[c] = hn::Add(first.term[c], second.term[c]);
       error = hn::Max(error, hn::Abs(hn::Sub(both[c], whole.term[c])));
     }
-    // What holds much light back shows its front: where its colours differ, halves may agree by chance.
-    const Mask<Real> isDense =
-      hn::And(active, hn::Gt(hn::Max(first.term[3], second.term[3]), hn::Set(d, Real(dense))));
-    if (!hn::AllFalse(d, isDense))
-    {
-      const Reals<Real> inMiddle = colorChange<Real>(table, middle);
-      const Reals<Real> front =
-        hn::Mul(first.term[3], hn::Abs(hn::Sub(inMiddle, colorChange<Real>(table, before))));
-      const Reals<Real> back =
-        hn::Mul(second.term[3], hn::Abs(hn::Sub(colorChange<Real>(table, after), inMiddle)));
-      error = hn::Max(
-        error, hn::IfThenElseZero(isDense, hn::Mul(hn::Max(front, back), hn::Set(d, Real(partOfColors)))));
-    }
+    error = errorWithFronts<Real>(
+      table, before.places, middle, after, first.term[3], second.term[3], active, error);
     // A little of what would be much where the field is flat: halves show more and more of it.
     const Reals<Real> least =
       hn::Max(hn::Mul(both[3], half<Real>()), hn::Set(d, limits.tolerance * Real(0x1p-10)));
     const Mask<Real> grows = hn::Gt(hn::Sub(both[3], whole.term[3]), least);
-    // Of a step that goes far beyond the table little is in it, and three places tell little of that.
-    const Reals<Real> ahead = hn::Max(before.at, after.at);
-    const Reals<Real> behind = hn::Min(before.at, after.at);
-    const Mask<Real> isWide = hn::And(
-      hn::Gt(hn::Sub(ahead, behind), widest), hn::And(hn::Gt(ahead, tableBegin), hn::Lt(behind, tableEnd)));
-    const Mask<Real> agrees =
-      hn::And(active, hn::AndNot(hn::Or(grows, isWide), hn::Le(error, hn::Set(d, limits.tolerance))));
+    const Mask<Real> agrees = hn::And(active,
+      hn::AndNot(hn::Or(grows, isWide<Real>(table, before.places, after)),
+        hn::Le(error, hn::Set(d, limits.tolerance))));
     Reals<Real> turn = one;
     if (!hn::AllFalse(d, agrees))
     {
       const Reals<Real> quarters[1] = { mulAdd(size, hn::Set(d, Real(0.25)), at) };
       Reals<Real> quarter[1];
-      sample(span, quarters, values, toTable, lattice, quarter);
-      turn = turningPoint<Real>(table, before, quarter[0], middle, after, agrees);
+      placesAt(quarters, quarter);
+      turn = turningPoint<Real>(table, before.places, quarter[0], middle, after, agrees);
     }
     const Mask<Real> goesOn = hn::Eq(turn, one);
     // Shorter steps would not lead anywhere: a place far along the way has no digits for them.
@@ -441,28 +493,8 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
       hn::Max(hn::Set(d, Real(shortestStep)), hn::Mul(at, hn::Set(d, Real(0x1p-20))));
     const Mask<Real> isFine = hn::Or(hn::And(goesOn, agrees), hn::Le(size, shortest));
     const Mask<Real> taken = hn::And(active, isFine);
-    light.red = hn::Add(light.red, hn::IfThenElseZero(taken, both[0]));
-    light.green = hn::Add(light.green, hn::IfThenElseZero(taken, both[1]));
-    light.blue = hn::Add(light.blue, hn::IfThenElseZero(taken, both[2]));
-    light.opacity = hn::Add(light.opacity, hn::IfThenElseZero(taken, both[3]));
-    light.transmittance = hn::Sub(light.transmittance, hn::IfThenElseZero(taken, both[3]));
-    before.at = hn::IfThenElse(taken, after.at, before.at);
-    before.row = hn::IfThenElse(taken, after.row, before.row);
-    before.inRow = hn::IfThenElse(taken, after.inRow, before.inRow);
-    for (int c = 0; c < 4; ++c)
-    {
-      before.term[c] = hn::IfThenElse(taken, after.term[c], before.term[c]);
-      before.ofRow[c] = hn::IfThenElse(taken, after.ofRow[c], before.ofRow[c]);
-    }
-    hasSums = crossRows;
-    if (crossRows)
-    {
-      for (int c = 0; c < 4; ++c)
-      {
-        sumsBefore.sum[c] = hn::IfThenElse(taken, sumsAfter.sum[c], sumsBefore.sum[c]);
-        sumsBefore.rest[c] = hn::IfThenElse(taken, sumsAfter.rest[c], sumsBefore.rest[c]);
-      }
-    }
+    light.add(both, taken);
+    before.moveTo(after, sumsAfter, crossesRows, taken);
     at = hn::IfThenElse(taken, ends[1], at);
     const Reals<Real> shorter = hn::Max(hn::IfThenElse(goesOn, halfSize, hn::Mul(turn, size)), shortest);
     wanted = hn::IfThenElse(isFine, hn::Min(hn::Add(wanted, wanted), one), shorter);

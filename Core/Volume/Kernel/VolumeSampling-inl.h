@@ -382,6 +382,16 @@ struct Light
   Reals<Real> red;
   Reals<Real> green;
   Reals<Real> blue;
+
+  /// Colour and opacity, of some rays.
+  HWY_INLINE void add(const Reals<Real> (&terms)[4], Mask<Real> taken)
+  {
+    red = hn::Add(red, hn::IfThenElseZero(taken, terms[0]));
+    green = hn::Add(green, hn::IfThenElseZero(taken, terms[1]));
+    blue = hn::Add(blue, hn::IfThenElseZero(taken, terms[2]));
+    opacity = hn::Add(opacity, hn::IfThenElseZero(taken, terms[3]));
+    transmittance = hn::Sub(transmittance, hn::IfThenElseZero(taken, terms[3]));
+  }
 };
 
 /// Of samples that show the table's entries as they are: see VolumeLight-inl.h for others.
