@@ -22,6 +22,7 @@ namespace
 {
 
 constexpr std::size_t maxElements = 1000; // scalar ones in a system
+constexpr std::size_t maxValues = 65536;  // of a cell in a block
 constexpr int maxNesting = 8;             // of systems
 
 /// At semicolons outside braces; the last may end the text.
@@ -85,6 +86,15 @@ public:
       fail("\"-\", \"^\", \"corners\", \";\" or the end");
     }
 
+    std::size_t values = 0;
+    for (const Part& part : parts)
+    {
+      values += countValues(part);
+    }
+    if (values * vectors.size() > maxValues)
+    {
+      failOfValues();
+    }
     DealIIBlock block;
     for (const Vector& v : vectors)
     {
@@ -199,19 +209,42 @@ private:
     if (token_ == "^")
     {
       next();
-      const int times = number(1, static_cast<int>(maxElements / once.size()));
+      const std::size_t mostTimes = std::min(maxElements / once.size(), maxValues / countValues(once));
+      const int times = number(1, static_cast<int>(mostTimes));
       all.reserve(times * once.size());
       for (int i = 1; i < times; ++i)
       {
         all.insert(all.end(), once.begin(), once.end());
       }
     }
+    // Inner ones are counted again with those around them.
     scalars_ += all.size();
-    if (scalars_ > maxElements * (maxNesting + 2)) // inner ones are counted again with those around them
+    if (scalars_ > maxElements * (maxNesting + 2))
     {
       fail("at most " + std::to_string(maxElements) + " scalar elements");
     }
+    values_ += countValues(all);
+    if (values_ > maxValues * (maxNesting + 2))
+    {
+      failOfValues();
+    }
     return all;
+  }
+
+  /// Of a cell.
+  static std::size_t countValues(const Part& part)
+  {
+    std::size_t count = 0;
+    for (const ElementMean& mean : part)
+    {
+      count += 8 * mean.vertex.size() + 12 * mean.line.size() + 6 * mean.quad.size() + mean.hex.size();
+    }
+    return count;
+  }
+
+  [[noreturn]] void failOfValues() const
+  {
+    fail("at most " + std::to_string(maxValues) + " values of a cell");
   }
 
   ElementMean scalar()
@@ -301,6 +334,7 @@ private:
   }
 
   std::size_t scalars_ = 0;
+  std::size_t values_ = 0;
 };
 
 DealIIBlock parseBlock(std::string_view text)

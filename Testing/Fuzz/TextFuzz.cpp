@@ -6,6 +6,7 @@
 #include "Forest/PayloadLayout.h"
 #include "Forest/QuadrantArrays.h"
 
+#include <algorithm>
 #include <string_view>
 
 using namespace treeamr;
@@ -30,8 +31,9 @@ void tryTo(const Parse& parse)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
-  // A name of two bytes may be a field that 27 stored values are weighted for.
-  const fuzz::HeapWatch watch(size, 128 * size);
+  // Each block of a text may describe as many values of a cell as are allowed, with their weights.
+  const auto blocks = static_cast<std::size_t>(std::count(data, data + size, '='));
+  const fuzz::HeapWatch watch(size, 128 * size + blocks * (std::size_t(2) << 20));
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   tryTo([&] { PayloadLayout::parse(text); });
   tryTo([&] { parseDealIIBlocks(text); });

@@ -509,7 +509,9 @@ TEST_F(DealIIReaderTest, WrongPayloads)
   this->expectError(cube, "double a = FE_DGQ(0); double a, b = FE_Q(1)", "\"a\" twice");
   this->expectError(cube, "double a = FE_DGQ(0);; skip", "nothing for a block");
   this->expectError(cube, "skip; double a = FE_Q<2>(1)", "\"2\", allowed \"3\"");
-  this->expectError(cube, "skip; double a = FE_Q(1)^1001", "allowed a number in 1..");
+  this->expectError(cube, "skip; double a = FE_Q(1)^1001", "allowed a number in 1..1000");
+  this->expectError(cube, "skip; double a = FE_Q(16)^14", "allowed a number in 1..13");
+  this->expectError(cube, "skip; double a, b = FE_Q(16)^7", "allowed at most 65536 values of a cell");
   std::string deep = "skip; double a = ";
   for (int i = 0; i < 100000; ++i)
   {
