@@ -1,10 +1,12 @@
 #include "TransferFunctionConversion.h"
 
 #include "Error.h"
+#include "Field/Emission.h"
+#include "LinePieces.h"
+#include "PropertyFunctions.h"
 
 #include "vtkColorTransferFunction.h"
 #include "vtkDataArray.h"
-#include "vtkNew.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkVolumeProperty.h"
 
@@ -25,289 +27,6 @@ namespace
 
 using Entry = TransferFunction::Entry;
 using Node = TransferFunction::Node;
-using Color = std::array<double, 3>;
-
-/// A midpoint and a sharpness with which VTK draws a line to the next node.
-bool isStraight(const double* midpointAndSharpness)
-{
-  return midpointAndSharpness[0] == 0.5 && midpointAndSharpness[1] == 0.;
-}
-
-/// The value, or one of those below all nodes that have a logarithm.
-template <class Nodes>
-double withLogarithm(double value, bool isLogarithmic, const Nodes& nodes)
-{
-  return isLogarithmic && !(value > 0.) ? 0.5 * nodes.front()[0] : value;
-}
-
-/// A function between neighbouring nodes of it, by VTK's evaluation of a function of these two alone: that of the whole
-/// one passes all of its nodes, for each value.
-class Opacities
-{
-public:
-  explicit Opacities(vtkPiecewiseFunction* function)
-    : function_(function)
-  {
-    for (int i = 0; i < function_->GetSize(); ++i)
-    {
-      function_->GetNodeValue(i, nodes_.emplace_back().data());
-    }
-    segment_->SetUseLogScale(function_->GetUseLogScale() && !nodes_.empty() && nodes_.front()[0] > 0.);
-  }
-
-  std::size_t count() const { return nodes_.size(); }
-  double node(std::size_t i) const { return nodes_[i][0]; }
-  /// From now on for values from node i - 1 to node i, or beyond an end.
-  void choose(std::size_t i)
-  {
-    next_ = i;
-    isInside_ = i > 0 && i < nodes_.size();
-    isLine_ = !isInside_ || (!segment_->GetUseLogScale() && isStraight(&nodes_[i - 1][2]));
-    if (!isLine_)
-    {
-      segment_->RemoveAllPoints();
-      for (const auto& [x, y, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
-      {
-        segment_->AddPoint(x, y, midpoint, sharpness);
-      }
-    }
-  }
-  /// Whether these are a line.
-  bool isLine() const { return isLine_; }
-  double at(double value)
-  {
-    if (!isInside_)
-    {
-      return function_->GetValue(withLogarithm(value, segment_->GetUseLogScale(), nodes_));
-    }
-    if (!isLine_)
-    {
-      return segment_->GetValue(value);
-    }
-    const auto& a = nodes_[next_ - 1];
-    const auto& b = nodes_[next_];
-    return std::lerp(a[1], b[1], std::clamp((value - a[0]) / (b[0] - a[0]), 0., 1.));
-  }
-
-private:
-  vtkPiecewiseFunction* function_;
-  std::vector<std::array<double, 4>> nodes_;
-  vtkNew<vtkPiecewiseFunction> segment_;
-  std::size_t next_ = 0;
-  bool isInside_ = false;
-  bool isLine_ = true;
-};
-
-/// The same of colours. Of what ParaView shows on surfaces in few colours VTK's volume mappers know nothing: they ask
-/// for a table of the function, as here.
-class Colors
-{
-public:
-  /// Of values of a part.
-  Colors(vtkColorTransferFunction* function, double min, double max)
-    : function_(function)
-  {
-    for (int i = 0; i < function_->GetSize(); ++i)
-    {
-      function_->GetNodeValue(i, nodes_.emplace_back().data());
-    }
-    isLogarithmic_ = function_->GetScale() == VTK_CTF_LOG10 && !nodes_.empty() && nodes_.front()[0] > 0.;
-    segment_->SetColorSpace(function_->GetColorSpace());
-    segment_->SetHSVWrap(function_->GetHSVWrap());
-    segment_->SetScale(isLogarithmic_ ? VTK_CTF_LOG10 : VTK_CTF_LINEAR);
-    if (function_->GetColorSpace() == VTK_CTF_LAB_CIEDE2000 && nodes_.size() > 1)
-    {
-      makeTable(min, max);
-    }
-  }
-
-  std::size_t count() const { return nodes_.size(); }
-  double node(std::size_t i) const { return nodes_[i][0]; }
-  void choose(std::size_t i)
-  {
-    next_ = i;
-    isInside_ = i > 0 && i < nodes_.size();
-    isLine_ = !isInside_ || !table_.empty() ||
-      (!isLogarithmic_ && segment_->GetColorSpace() == VTK_CTF_RGB && isStraight(&nodes_[i - 1][4]));
-    if (!isLine_)
-    {
-      segment_->RemoveAllPoints();
-      for (const auto& [x, r, g, b, midpoint, sharpness] : { nodes_[i - 1], nodes_[i] })
-      {
-        segment_->AddRGBPoint(x, r, g, b, midpoint, sharpness);
-      }
-    }
-  }
-  bool isLine() const { return isLine_; }
-  std::size_t countInTable() const { return table_.size(); }
-  /// The value of a table's entry.
-  double tableValue(std::size_t i) const
-  {
-    const double part = static_cast<double>(i) / static_cast<double>(table_.size() - 1);
-    return isLogarithmic_ ? first_ * std::pow(last_ / first_, part) : std::lerp(first_, last_, part);
-  }
-  Color at(double value)
-  {
-    if (isInside_ && !table_.empty())
-    {
-      return inTable(value);
-    }
-    Color color;
-    if (isInside_ && isLine_)
-    {
-      const auto& a = nodes_[next_ - 1];
-      const auto& b = nodes_[next_];
-      const double part = std::clamp((value - a[0]) / (b[0] - a[0]), 0., 1.);
-      for (int c = 0; c < 3; ++c)
-      {
-        color[c] = std::lerp(a[c + 1], b[c + 1], part);
-      }
-      return color;
-    }
-    value = withLogarithm(value, isLogarithmic_, nodes_);
-    (isInside_ ? segment_ : function_)->GetTable(value, value, 1, color.data());
-    return color;
-  }
-
-private:
-  /// Each call finds the way between two colours anew, for half a second: one call for all.
-  void makeTable(double min, double max)
-  {
-    constexpr int size = 4096;
-    first_ = std::max(min, nodes_.front()[0]);
-    last_ = std::min(max, nodes_.back()[0]);
-    if (first_ < last_)
-    {
-      table_.resize(size);
-      function_->GetTable(first_, last_, size, table_.front().data());
-    }
-  }
-  Color inTable(double value) const
-  {
-    const double part = isLogarithmic_ ? std::log(value / first_) / std::log(last_ / first_)
-                                       : (value - first_) / (last_ - first_);
-    const double place = std::clamp(part, 0., 1.) * static_cast<double>(table_.size() - 1);
-    const std::size_t i = std::min(static_cast<std::size_t>(place), table_.size() - 2);
-    Color color;
-    for (int c = 0; c < 3; ++c)
-    {
-      color[c] = std::lerp(table_[i][c], table_[i + 1][c], place - static_cast<double>(i));
-    }
-    return color;
-  }
-
-  vtkColorTransferFunction* function_;
-  std::vector<std::array<double, 6>> nodes_;
-  vtkNew<vtkColorTransferFunction> segment_;
-  std::size_t next_ = 0;
-  bool isInside_ = false;
-  bool isLine_ = true;
-  bool isLogarithmic_;
-  std::vector<Color> table_; // of CIEDE2000 only, over [first_, last_]
-  double first_ = 0.;
-  double last_ = 0.;
-};
-
-/// All functions of a property, from one value where one of them has a node to the next. Values: less the offset.
-class PropertyFunctions
-{
-public:
-  PropertyFunctions(vtkVolumeProperty* property, Range part, double offset, int component)
-    : opacities_(property->GetScalarOpacity(0))
-    , offset_(offset)
-    , unitDistance_(property->GetScalarOpacityUnitDistance(component))
-  {
-    if (property->GetColorChannels(0) == 1)
-    {
-      grays_.emplace(property->GetGrayTransferFunction(0));
-    }
-    else
-    {
-      colors_.emplace(property->GetRGBTransferFunction(0), offset + part.min, offset + part.max);
-    }
-  }
-
-  /// Values between which each function is smooth, in order: of nodes, and of a table's entries.
-  std::vector<double> values() const
-  {
-    std::vector<double> values;
-    const auto add = [&](const auto& functions) {
-      for (std::size_t i = 0; i < functions.count(); ++i)
-      {
-        values.push_back(functions.node(i) - offset_);
-      }
-    };
-    add(opacities_);
-    grays_ ? add(*grays_) : add(*colors_);
-    for (std::size_t i = 0; colors_ && i < colors_->countInTable(); ++i)
-    {
-      values.push_back(colors_->tableValue(i) - offset_);
-    }
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-    return values;
-  }
-
-  /// From now on for values up to `end`, from the last node before it on. In the order of ends.
-  void choose(double end)
-  {
-    const auto chooseIn = [&](auto& functions, std::size_t& next) {
-      const std::size_t before = next;
-      while (next < functions.count() && functions.node(next) - offset_ < end)
-      {
-        ++next;
-      }
-      if (next != before)
-      {
-        functions.choose(next);
-      }
-    };
-    chooseIn(opacities_, nextOpacity_);
-    grays_ ? chooseIn(*grays_, nextColor_) : chooseIn(*colors_, nextColor_);
-  }
-
-  /// What the functions are at a value.
-  struct Sample
-  {
-    double value;
-    double opacity;
-    Entry entry;
-  };
-
-  Sample at(double relative)
-  {
-    const double value = offset_ + relative;
-    Color color;
-    if (grays_)
-    {
-      color.fill(grays_->at(value));
-    }
-    else
-    {
-      color = colors_->at(value);
-    }
-    const double opacity = opacities_.at(value);
-    return { relative, opacity,
-      { static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2]),
-        TransferFunction::extinctionFromOpacity(opacity, unitDistance_) } };
-  }
-
-  bool areColorsLines() const { return grays_ ? grays_->isLine() : colors_->isLine(); }
-  /// So that extinctions bend as those of a line do.
-  bool areOpacitiesLines() const { return opacities_.isLine(); }
-  double unitDistance() const { return unitDistance_; }
-  /// By which values must differ for the functions to tell them apart.
-  double rounding() const { return 4. * std::numeric_limits<double>::epsilon() * std::abs(offset_); }
-
-private:
-  Opacities opacities_;
-  std::optional<Opacities> grays_;
-  std::optional<Colors> colors_;
-  std::size_t nextOpacity_ = 0;
-  std::size_t nextColor_ = 0;
-  double offset_;
-  double unitDistance_;
-};
 
 void checkUnitDistance(vtkVolumeProperty* property, int component)
 {
@@ -323,13 +42,18 @@ void checkUnitDistance(vtkVolumeProperty* property, int component)
 class NodeList
 {
 public:
-  /// count: of segments.
-  NodeList(PropertyFunctions& functions, std::size_t count)
+  /// isOfMany: whether they are for a table of manyNodes.
+  NodeList(PropertyFunctions& functions, std::size_t segments, bool isOfMany)
     : functions_(functions)
     // What many segments err by is not seen as one colour.
-    , part_(count < 128 ? 1. / 2048. : 1. / 216.)
+    , part_(segments < manySegments ? 1. / 2048. : 1. / 288.)
+    , isOfMany_(isOfMany)
+    , linePieces_(part_)
   {
+    constexpr std::size_t most = 16; // of nodes a segment
+    nodes_.reserve(isOfMany ? most * segments : 0);
   }
+  static constexpr std::size_t manySegments = 128;
 
   /// The function's part from a to b.
   void addSegment(double a, double b)
@@ -343,12 +67,19 @@ public:
       const double least = beside * (size == 0. ? b - a : std::min(b - a, size));
       return std::min(std::max({ functions_.rounding(), rounding * size, least }), 0.25 * (b - a));
     };
-    Sample first = functions_.at(a + inset(a));
+    const double from = a + inset(a);
+    const double to = b - inset(b);
+    if (isOfMany_ && addPieces(a, from, b, to))
+    {
+      return;
+    }
+    Sample first = functions_.at(from);
     first.value = a;
-    Sample last = functions_.at(b - inset(b));
+    Sample last = functions_.at(to);
     last.value = b;
     const Entry atEnd = functions_.at(b).entry;
-    begin(a, first.entry);
+    begin(a, first.entry, {});
+    shownEnd_.reset();
     if (!functions_.areOpacitiesLines())
     {
       const auto follows = [this](const Entry& entry, const Entry& line) { return isClose(entry, line); };
@@ -375,32 +106,69 @@ public:
   /// What holds from the last segment's end on is what VTK has there.
   std::vector<Node> endAt(double value)
   {
-    add({ value, isClose(end_, atEnd_) ? atEnd_ : end_, atEnd_ });
+    add({ value, shownEnd_.value_or(isClose(end_, atEnd_) ? atEnd_ : end_), atEnd_ });
     return std::move(nodes_);
   }
 
 private:
   using Sample = PropertyFunctions::Sample;
 
-  /// A node between two segments.
-  void begin(double value, const Entry& above)
+  /// Adds the part from a to b, which is what it is between these values, if it is a curve of colours over a line of
+  /// opacities.
+  bool addPieces(double a, double from, double b, double to)
+  {
+    const ColorCurve* const curve = functions_.colorCurve();
+    if (!curve || !functions_.areOpacitiesLines())
+    {
+      return false;
+    }
+    const double opacityAtEnd = functions_.opacityAt(b);
+    const ColorPart part{ a, b, functions_.opacityAt(from), functions_.opacityAt(to), functions_.offset(),
+      functions_.unitDistance() };
+    if (!LinePieces::canFollow(*curve, part))
+    {
+      return false;
+    }
+    bool isFirst = true;
+    for (const LinePiece& piece : linePieces_.follow(*curve, part))
+    {
+      if (isFirst)
+      {
+        begin(a, linePieces_.first(), piece.atBegin);
+      }
+      else
+      {
+        add({ piece.begin, *shownEnd_, piece.atBegin });
+      }
+      isFirst = false;
+      shownEnd_ = piece.atEnd;
+    }
+    end_ = atEnd_ = linePieces_.last();
+    atEnd_.extinction = TransferFunction::extinctionFromOpacity(opacityAtEnd, functions_.unitDistance());
+    return true;
+  }
+
+  /// A node between two segments. shown: of the second one's first piece.
+  void begin(double value, const Entry& above, const std::optional<Entry>& shown)
   {
     if (isClose(end_, above))
     {
       // An entry that is there alone has no width.
       const Entry& entry = isClose(end_, atEnd_) ? atEnd_ : end_;
-      add({ value, entry, entry });
+      const bool isOfPieces = shownEnd_ || shown; // which begin and end at floats
+      add(
+        { isOfPieces ? static_cast<float>(value) : value, shownEnd_.value_or(entry), shown.value_or(entry) });
     }
     else if (distance(end_, atEnd_) <= distance(above, atEnd_))
     {
       // The next float is the first that is above.
       const auto nearest = static_cast<float>(value);
       add({ nearest > value ? nearest : std::nextafter(nearest, std::numeric_limits<float>::infinity()),
-        atEnd_, above });
+        atEnd_, shown.value_or(above) });
     }
     else
     {
-      add({ value, end_, above });
+      add({ value, shownEnd_.value_or(end_), shown.value_or(above) });
     }
   }
 
@@ -441,7 +209,7 @@ private:
     {
       const double extinction = -std::log(clear);
       const double step = std::sqrt(8. * extinction * partOf(extinction));
-      clear = std::min(clear / (1. + step), clear - 4. * part_);
+      clear = std::min(clear / (1. + step), clear - 1. / 512.);
       if (clear <= least)
       {
         break;
@@ -534,21 +302,21 @@ private:
 
   PropertyFunctions& functions_;
   double part_;
+  bool isOfMany_;
+  LinePieces linePieces_;
   std::vector<Node> nodes_;
-  Entry end_{};   // what the segment before came to
-  Entry atEnd_{}; // what it is there
+  Entry end_{};                   // what the segment before came to
+  Entry atEnd_{};                 // what it is there
+  std::optional<Entry> shownEnd_; // what its last piece came to
 };
 
-} // namespace
-
-TransferFunction convertTransferFunction(
-  vtkVolumeProperty* property, Range dataRange, double offset, int component)
+/// values: between which the functions are smooth.
+std::vector<Node> makeNodes(
+  PropertyFunctions& functions, Range dataRange, const std::vector<double>& values, bool isOfMany)
 {
-  checkUnitDistance(property, component);
-  PropertyFunctions functions(property, dataRange, offset, component);
-  const std::vector<double> values = functions.values();
-  NodeList nodes(functions, values.size());
+  NodeList nodes(functions, values.size(), isOfMany);
   double at = dataRange.min;
+  functions.restart();
   functions.choose(at);
   nodes.beginWith(functions.at(at).entry);
   for (const double value : values)
@@ -563,7 +331,26 @@ TransferFunction convertTransferFunction(
   {
     nodes.addSegment(at, dataRange.max);
   }
-  return TransferFunction::ofNodes(nodes.endAt(dataRange.max));
+  return nodes.endAt(dataRange.max);
+}
+
+} // namespace
+
+TransferFunction convertTransferFunction(
+  vtkVolumeProperty* property, Range dataRange, double offset, int component)
+{
+  checkUnitDistance(property, component);
+  PropertyFunctions functions(property, dataRange, offset, component);
+  const std::vector<double> values = functions.values();
+  if (values.size() >= NodeList::manySegments && functions.haveCurves())
+  {
+    std::vector<Node> nodes = makeNodes(functions, dataRange, values, true);
+    if (nodes.size() >= manyNodes)
+    {
+      return TransferFunction::ofNodes(std::move(nodes));
+    }
+  }
+  return TransferFunction::ofNodes(makeNodes(functions, dataRange, values, false));
 }
 
 bool hasCategories(vtkVolumeProperty* property)

@@ -1,5 +1,7 @@
 #include "Volume/Kernel/IntegralTable.h"
 
+#include "Field/Emission.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -17,8 +19,10 @@ using Node = TransferFunction::Node;
 
 /// Binary orders of magnitude of places, and of extinctions when products with places must be floats.
 constexpr int largest = 60;
-/// Rows that share a finest step.
+/// Finest steps of which the least is kept, too.
 constexpr std::size_t group = 16;
+/// Of tables of manyNodes.
+constexpr int sharingOfMany = 4;
 /// Of what unscale() has left: denser than that nothing is told apart.
 const double densest = std::ldexp(1., largest);
 
@@ -88,6 +92,47 @@ void divide(const Entry& a, const Entry& b, double tolerance, const Add& add)
   }
 }
 
+/// The same into as few lines as may be, where these are moved by shiftOfProducts(): they err by change |slope| h^2 over
+/// the square of the sum of both extinctions' roots, so these are at equal distances.
+template <class Add>
+void divideEvenly(const Entry& a, const Entry& b, double tolerance, const Add& add)
+{
+  const double change = std::max({ std::abs(b.r - a.r), std::abs(b.g - a.g), std::abs(b.b - a.b) });
+  const double first = std::sqrt(a.extinction);
+  const double last = std::sqrt(b.extinction);
+  const double most = std::abs(shiftOfProducts<double>(change, a.extinction, b.extinction));
+  // Rounding may not cut what was made to be one line.
+  const double count = std::ceil(std::sqrt(most / tolerance) - 1e-3);
+  for (double i = 1.; i < count; ++i)
+  {
+    const double root = std::lerp(first, last, i / count);
+    const double part = (root * root - a.extinction) / (static_cast<double>(b.extinction) - a.extinction);
+    add(part, TransferFunction::between(a, b, static_cast<float>(part)));
+  }
+}
+
+/// Moves both entries' colours, so that a line of products errs to either side alike.
+void moveProducts(Entry& a, Entry& b)
+{
+  for (float Entry::*color : { &Entry::r, &Entry::g, &Entry::b })
+  {
+    const float shift = shiftOfProducts(b.*color - a.*color, a.extinction, b.extinction);
+    a.*color += shift;
+    b.*color += shift;
+  }
+}
+
+/// The least of every so many.
+std::vector<float> leastOf(const std::vector<float>& values, std::size_t count)
+{
+  std::vector<float> least((values.size() + count - 1) / count, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    least[i / count] = std::min(least[i / count], values[i]);
+  }
+  return least;
+}
+
 /// The largest float up to x and the smallest from it on.
 std::array<float, 2> floatsAround(double x)
 {
@@ -124,6 +169,8 @@ IntegralTable::IntegralTable(
   unscale_ = std::ldexp(1., std::max(0, std::ilogb(mostExtinction) - largest / 2));
   const double mostInSums = mostExtinction / unscale_;
 
+  isOfMany_ = nodes.size() >= manyNodes;
+  sharing_ = isOfMany_ ? sharingOfMany : 0;
   const std::vector<Station> stations = makeStations(transferFunction, nodes, unit);
   makeRows(stations, mostInSums);
   makeFinestSteps(stations, smallestLeaf);
@@ -131,6 +178,7 @@ IntegralTable::IntegralTable(
   Index bits = indexBy(true);
   index_ = bits.halvings < linear.halvings ? std::move(bits) : linear;
   places_.insert(places_.end(), std::size_t(1) << index_.halvings, std::numeric_limits<float>::infinity());
+  places_.shrink_to_fit();
 }
 
 /// Without those on lines between others, to so much of a channel to either side.
@@ -184,9 +232,7 @@ std::vector<IntegralTable::Station> IntegralTable::thinned(
 std::vector<IntegralTable::Station> IntegralTable::makeStations(
   const TransferFunction& transferFunction, const std::vector<Node>& nodes, double unit) const
 {
-  // What thousands of parts err by is not seen as one colour, and their rows fill caches.
-  constexpr std::size_t many = 4096;
-  const double tolerance = nodes.size() > many ? 1. / 512. : 1. / 2048.;
+  const double tolerance = isOfMany_ ? colorsOfMany : 1. / 2048.;
   std::vector<Station> stations;
   const auto add = [&](double value, const Entry& below, const Entry& above) {
     Station station{ toFloat(placeOf(value)), below, above };
@@ -225,22 +271,42 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
     if (i + 1 < nodes.size())
     {
       const Node& next = nodes[i + 1];
-      divide(node.above, next.below, tolerance,
-        [&](double part, const Entry& entry) { add(std::lerp(node.value, next.value, part), entry, entry); });
+      const auto addBetween = [&](double part, const Entry& entry) {
+        add(std::lerp(node.value, next.value, part), entry, entry);
+      };
+      if (isOfMany_)
+      {
+        divideEvenly(node.above, next.below, tolerance, addBetween);
+      }
+      else
+      {
+        divide(node.above, next.below, tolerance, addBetween);
+      }
     }
   }
-  return thinned(stations, tolerance / 4.);
+  if (!isOfMany_)
+  {
+    return thinned(stations, tolerance / 4.);
+  }
+  for (std::size_t i = 0; i + 1 < stations.size(); ++i)
+  {
+    moveProducts(stations[i].above, stations[i + 1].below);
+  }
+  return thinned(stations, tolerance / 64.);
 }
 
 void IntegralTable::makeRows(const std::vector<Station>& stations, double mostInSums)
 {
   const std::size_t count = stations.size();
   rows_.resize(count + 2); // one more, that lanes may read
-  variation_.assign(count + 2, 0.);
+  variation_.assign(1, 0.);
   places_.reserve(count + 1);
   places_.push_back(stations.front().place);
+  colorChanges_.reserve(count + 1);
+  const std::size_t shared = std::size_t(1) << sharing_;
   EmissionTerms sum{};
   double colors = 0.;
+  double variation = 0.;
   for (std::size_t r = 0; r <= count; ++r)
   {
     const bool isInside = r > 0 && r < count;
@@ -266,7 +332,11 @@ void IntegralTable::makeRows(const std::vector<Station>& stations, double mostIn
       change = std::max(change, std::abs(endInSums[c] - ownInSums[c]));
       jump = std::max(jump, std::abs(nextInSums[c] - endInSums[c]));
     }
-    variation_[r + 1] = variation_[r] + (change + jump) * unscale_;
+    variation += (change + jump) * unscale_;
+    if ((r + 1) % shared == 0 || r == count)
+    {
+      variation_.push_back(variation);
+    }
     const double ofRow = colorChange(begin, end);
     colorChanges_.push_back({ static_cast<float>(colors), width > 0. ? toFloat(ofRow / width) : 0.f });
     colors += ofRow + (end.extinction > 0.f && next.extinction > 0.f ? colorChange(end, next) : 0.);
@@ -275,6 +345,38 @@ void IntegralTable::makeRows(const std::vector<Station>& stations, double mostIn
       places_.push_back(stations[r - 1].place);
     }
   }
+  shareColorChanges();
+}
+
+void IntegralTable::shareColorChanges()
+{
+  if (sharing_ == 0)
+  {
+    return;
+  }
+  const std::size_t shared = std::size_t(1) << sharing_;
+  std::vector<ColorChange> ofGroups;
+  ofGroups.reserve(colorChanges_.size() / shared + 1);
+  for (std::size_t r = 0; r < colorChanges_.size(); r += shared)
+  {
+    const std::size_t end = std::min(r + shared, colorChanges_.size() - 1);
+    const double width = static_cast<double>(places_[end]) - places_[r];
+    const double change = static_cast<double>(colorChanges_[end].before) - colorChanges_[r].before;
+    ofGroups.push_back({ colorChanges_[r].before, width > 0. ? toFloat(change / width) : 0.f });
+  }
+  colorChanges_ = std::move(ofGroups);
+}
+
+std::size_t IntegralTable::bytes() const noexcept
+{
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  std::size_t bytes = sizeof(*this) + of(rows_) + of(places_) + of(colorChanges_) + of(variation_) +
+    of(finestSteps_) + of(index_.firstRow);
+  for (const std::vector<float>& groups : finestOfGroups_)
+  {
+    bytes += of(groups);
+  }
+  return bytes;
 }
 
 void IntegralTable::makeFinestSteps(const std::vector<Station>& stations, double smallestLeaf)
@@ -305,13 +407,8 @@ void IntegralTable::makeFinestSteps(const std::vector<Station>& stations, double
       ofRow = -ofRow;
     }
   }
-  std::vector<float> ofGroups((finest.size() + group - 1) / group, std::numeric_limits<float>::infinity());
-  for (std::size_t i = 0; i < finest.size(); ++i)
-  {
-    ofGroups[i / group] = std::min(ofGroups[i / group], finest[i]);
-  }
-  finestSteps_ = std::move(finest);
-  finestOfGroups_.push_back(std::move(ofGroups));
+  finestSteps_ = leastOf(finest, std::size_t(1) << sharing_);
+  finestOfGroups_.push_back(leastOf(finestSteps_, group));
   for (std::size_t width = 1; 2 * width <= finestOfGroups_.front().size(); width *= 2)
   {
     const std::vector<float>& half = finestOfGroups_.back();
@@ -326,30 +423,32 @@ void IntegralTable::makeFinestSteps(const std::vector<Station>& stations, double
 
 float IntegralTable::finestStep(double firstPlace, double lastPlace) const noexcept
 {
-  const std::size_t first = rowOf(firstPlace);
+  const std::size_t firstRow = rowOf(firstPlace);
   const auto stations = places_.begin() + 1;
-  const auto last = std::max(
-    first, static_cast<std::size_t>(std::lower_bound(stations, endOfPlaces(), lastPlace) - stations));
-  const auto leastOf = [&](std::size_t from, std::size_t end) {
+  const auto lastRow = std::max(
+    firstRow, static_cast<std::size_t>(std::lower_bound(stations, endOfPlaces(), lastPlace) - stations));
+  const std::size_t first = firstRow >> sharing_;
+  const std::size_t last = lastRow >> sharing_;
+  const auto leastFrom = [&](std::size_t from, std::size_t end) {
     const auto begin = finestSteps_.begin();
     return std::accumulate(begin + static_cast<std::ptrdiff_t>(from),
       begin + static_cast<std::ptrdiff_t>(end), std::numeric_limits<float>::infinity(),
       [](float a, float b) { return std::min(a, b); });
   };
   // A jump where the first one begins is before it.
-  float least = std::abs(finestSteps_[first]);
+  float least = sharing_ == 0 ? std::abs(finestSteps_[first]) : finestSteps_[first];
   const std::size_t firstGroup = (first + group) / group; // that are whole
   const std::size_t endGroup = (last + 1) / group;
   if (firstGroup < endGroup)
   {
     const std::size_t level = std::bit_width(endGroup - firstGroup) - 1;
     const std::vector<float>& groups = finestOfGroups_[level];
-    least = std::min({ least, leastOf(first + 1, firstGroup * group), groups[firstGroup],
-      groups[endGroup - (std::size_t(1) << level)], leastOf(endGroup * group, last + 1) });
+    least = std::min({ least, leastFrom(first + 1, firstGroup * group), groups[firstGroup],
+      groups[endGroup - (std::size_t(1) << level)], leastFrom(endGroup * group, last + 1) });
   }
   else
   {
-    least = std::min(least, leastOf(first + 1, last + 1));
+    least = std::min(least, leastFrom(first + 1, last + 1));
   }
   return std::max(least, 0.f);
 }

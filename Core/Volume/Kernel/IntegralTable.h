@@ -39,10 +39,12 @@ public:
   double placesPerValue() const noexcept { return scale_; }
   /// The row of a place: how many nodes lie there or below it.
   std::size_t rowOf(double place) const noexcept;
-  /// Sum of the changes of a term, whichever changes most, up to a row's end and from the nodes of places.
-  double variation(std::size_t firstRow, std::size_t lastRow) const noexcept
+  /// Sum of the changes of a term, whichever changes most, from a row on to before another one; of those that share with
+  /// them, too.
+  double variation(std::size_t firstRow, std::size_t endRow) const noexcept
   {
-    return variation_[lastRow] - variation_[firstRow];
+    const std::size_t beforeGroup = (std::size_t(1) << sharing_) - 1;
+    return variation_[(endRow + beforeGroup) >> sharing_] - variation_[firstRow >> sharing_];
   }
   /// The widest step of places that follows the function between two of them to 1/512 of a channel: none across a jump.
   float finestStep(double firstPlace, double lastPlace) const noexcept;
@@ -51,7 +53,10 @@ public:
   const std::vector<Row>& rows() const noexcept { return rows_; }
   /// Where a row begins (the first one ends); beyond the last row as many infinite ones as a search may ask for.
   const float* places() const noexcept { return places_.data(); }
-  /// How far the colours of all that is visible have changed up to where a row begins, and by how much more per place.
+  /// Rows that share what only estimates are made of, as a power of two: of tables of few nodes each has its own.
+  int sharing() const noexcept { return sharing_; }
+  /// How far the colours of all that is visible have changed up to where rows that share begin, and by how much more per
+  /// place.
   struct ColorChange
   {
     float before;
@@ -75,6 +80,8 @@ public:
     std::vector<float> firstRow; // as numbers of the kernel's lanes
   };
   const Index& index() const noexcept { return index_; }
+  /// Of memory.
+  std::size_t bytes() const noexcept;
 
 private:
   struct Station;
@@ -82,6 +89,7 @@ private:
     const std::vector<TransferFunction::Node>& nodes, double unit) const;
   static std::vector<Station> thinned(const std::vector<Station>& stations, double tolerance);
   void makeRows(const std::vector<Station>& stations, double mostInSums);
+  void shareColorChanges();
   void makeFinestSteps(const std::vector<Station>& stations, double smallestLeaf);
   Index indexBy(bool bits) const;
   std::vector<float>::const_iterator endOfPlaces() const noexcept
@@ -92,11 +100,13 @@ private:
   double reference_;
   double scale_;
   double unscale_;
+  bool isOfMany_; // nodes
+  int sharing_ = 0;
   std::vector<Row> rows_;
   std::vector<float> places_;
   std::vector<ColorChange> colorChanges_;
   std::vector<double> variation_;
-  std::vector<float> finestSteps_; // of rows; negative where a row begins with a jump that is seen
+  std::vector<float> finestSteps_; // of rows that share; negative where a row begins with a jump that is seen
   std::vector<std::vector<float>> finestOfGroups_; // the least of 2^i groups of rows from each on
   Index index_;
 };

@@ -258,11 +258,15 @@ HWY_INLINE Emission<Real> emission(const Reals<Real> (&mean)[4], Reals<Real> dep
 template <class Real>
 HWY_INLINE Reals<Real> colorChange(const IntegralTable& table, const Places<Real>& places)
 {
-  const Ints<Real> row = truncated<Real>(places.row);
+  const RealTag<Real> d;
+  const Ints<Real> group = hn::ShiftRightSame(truncated<Real>(places.row), table.sharing());
   const float* const changes = &table.colorChanges()[0].before;
-  const Ints<Real> index = hn::Add(row, row);
-  return mulAdd(gather<Real>(changes + 1, index), hn::Sub(places.at, gather<Real>(table.places(), row)),
-    gather<Real>(changes, index));
+  const Ints<Real> index = hn::Add(group, group);
+  // Nothing changes beyond the table, with which rows beside it may share.
+  const Reals<Real> inTable =
+    hn::Min(hn::Max(places.at, hn::Set(d, Real(table.index().first))), hn::Set(d, Real(table.index().last)));
+  const Reals<Real> begin = gather<Real>(table.places(), hn::ShiftLeftSame(group, table.sharing()));
+  return mulAdd(gather<Real>(changes + 1, index), hn::Sub(inTable, begin), gather<Real>(changes, index));
 }
 
 /// Where in a step the field turns beyond all rows of three of its places, so that none of them tells what the function

@@ -1,0 +1,98 @@
+// The fewest lines of colour and extinction that follow a colour curve over a line of opacities. Private to the module.
+#pragma once
+
+#include "ColorCurve.h"
+#include "Field/TransferFunction.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace treeamr
+{
+
+/// From value to value, colours and extinctions linear in between.
+struct LinePiece
+{
+  float begin;
+  float end;
+  TransferFunction::Entry atBegin;
+  TransferFunction::Entry atEnd;
+};
+
+/// A part of a curve and the line of opacities over it. Values: less the offset, which the curve's are not.
+struct ColorPart
+{
+  double begin;
+  double end;
+  double opacityAtBegin; // 0 to 1
+  double opacityAtEnd;
+  double offset;
+  double unitDistance;
+};
+
+class LinePieces
+{
+public:
+  /// extinctionPart: by how much of itself a faint extinction may err.
+  explicit LinePieces(double extinctionPart)
+    : extinctionPart_(static_cast<float>(extinctionPart))
+  {
+  }
+
+  /// Whether single precision and samples tell all of a part.
+  static bool canFollow(const ColorCurve& curve, const ColorPart& part);
+  /// Pieces that follow it to colorsOfMany of a channel: colours, and what one line a piece shows of them in a table of
+  /// many nodes. They begin and end at floats; colours may jump a little from one to the next, extinctions do not.
+  const std::vector<LinePiece>& follow(const ColorCurve& curve, const ColorPart& part);
+  /// Of the part followed last, where it begins and ends.
+  TransferFunction::Entry first() const { return entryOf(samples_.front()); }
+  TransferFunction::Entry last() const { return entryOf(samples_.back()); }
+
+private:
+  struct Sample
+  {
+    /// The fourth is none: vectors have four.
+    std::array<float, 4> color;
+    float place;      // 0 to 1 in the part
+    float extinction; // over the unit distance
+    float error;      // that this may have
+    std::uint32_t branch;
+  };
+  /// A gap in which the branch changes.
+  struct Corner
+  {
+    float place;
+    float width;
+    std::uint32_t branch;
+  };
+  /// What a piece may be moved by, so that it errs to either side alike.
+  struct Fit
+  {
+    bool isClose;
+    std::array<float, 4> shift;
+  };
+
+  void sample(const ColorCurve& curve, const ColorPart& part);
+  void wantExtinctions(const ColorPart& part);
+  void addSamples(const ColorCurve& curve, const ColorPart& part);
+  bool findCorners(const ColorCurve& curve, const ColorPart& part);
+  static void narrowDown(
+    const ColorCurve& curve, const ColorPart& part, std::span<Corner> corners, std::size_t parts);
+  bool divideGaps();
+  Sample at(std::size_t step) const;
+  Fit fit(std::size_t first, std::size_t last) const;
+  std::size_t longest(std::size_t first, std::size_t expected, Fit& fitted) const;
+  TransferFunction::Entry entryOf(const Sample& sample, const std::array<float, 4>& shift = {}) const;
+
+  float extinctionPart_;
+  double unitDistance_ = 1.;
+  std::vector<Sample> samples_; // in order of their places
+  std::vector<Corner> corners_;
+  std::vector<float> wanted_; // places of more samples, in order
+  std::vector<LinePiece> pieces_;
+};
+
+} // namespace treeamr
