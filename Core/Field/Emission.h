@@ -22,4 +22,13 @@ Real shiftOfProducts(Real change, Real first, Real last) noexcept
   return roots > 0 ? Real(-0.5) * change * ((last - first) / roots) / roots : Real(0);
 }
 
+/// The shift as tables of many nodes have it: what is hardly off stays, so that its line goes on where the next one is the
+/// same.
+template <class Real>
+Real shiftInTables(Real shift) noexcept
+{
+  constexpr auto least = static_cast<Real>(colorsOfMany / 16.);
+  return std::abs(shift) > least ? shift : Real(0);
+}
+
 } // namespace treeamr

@@ -376,8 +376,9 @@ LinePieces::Fit LinePieces::fit(std::size_t first, std::size_t last) const
   result.isClose = true;
   for (int c = 0; c < 3; ++c)
   {
-    const float from = -tolerance - std::min(lines.least[c], products.least[c] + ofTable[c]);
-    const float to = tolerance - std::max(lines.most[c], products.most[c] + ofTable[c]);
+    const float moved = shiftInTables(float(ofTable[c]));
+    const float from = -tolerance - std::min(lines.least[c], products.least[c] + moved);
+    const float to = tolerance - std::max(lines.most[c], products.most[c] + moved);
     result.isClose = result.isClose && from <= to;
     result.shift[c] = 0.5f * (from + to);
   }

@@ -116,7 +116,7 @@ void moveProducts(Entry& a, Entry& b)
 {
   for (float Entry::*color : { &Entry::r, &Entry::g, &Entry::b })
   {
-    const float shift = shiftOfProducts(b.*color - a.*color, a.extinction, b.extinction);
+    const float shift = shiftInTables(shiftOfProducts(b.*color - a.*color, a.extinction, b.extinction));
     a.*color += shift;
     b.*color += shift;
   }
