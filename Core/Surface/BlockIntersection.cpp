@@ -167,36 +167,97 @@ bool BlockIntersection::intersect(std::uint32_t number, const RayPart& ray, RayH
 std::uint32_t BlockIntersection::intersect(
   std::uint32_t number, int first, std::uint32_t wanted, RayTile& tile) const
 {
-  if (blocks_.all()[number].isEmpty())
+  if (tile.hits[first].all)
+  {
+    tile.visits.add(number, first, wanted, [&] { return depthOf(number, tile); });
+    return 0;
+  }
+  blocks_.prefetch(number);
+  const CrossedBlock block(space_, blocks_.all()[number], number);
+  BlockEntries entries;
+  enterBlock(block, tile.rays, first, wanted, entries);
+  if (entries.count == 0)
   {
     return 0;
   }
+  this->enter(tile, block, entries);
+  std::uint32_t nearer = 0;
+  for (int i = 0; i < entries.count; ++i)
+  {
+    const auto ray = static_cast<int>(entries.ray[i]);
+    if (tile.rays.limit[ray] < tile.hits[ray].limit)
+    {
+      tile.hits[ray].limit = tile.rays.limit[ray];
+      nearer |= 1u << (ray - first);
+    }
+  }
+  return nearer;
+}
+
+float BlockIntersection::depthOf(std::uint32_t number, const RayTile& tile) const noexcept
+{
+  // That of the middle, on the first ray: of two blocks on one ray the nearer comes first, but for some far from its
+  // direction.
+  const SurfaceBlock& block = blocks_.all()[number];
+  double depth = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    depth += (static_cast<double>(block.index(a)) + 0.5) * tile.rays.direction[a][0];
+  }
+  return static_cast<float>(std::ldexp(depth, -block.depth()));
+}
+
+void BlockIntersection::takeVisits(RayTile& tile) const
+{
+  constexpr std::size_t ahead = 3; // so many blocks that their values are in the cache in time
+  BlockVisits& visits = tile.visits;
+  visits.sort();
+  BlockEntries entries;
+  for (std::size_t i = 0; i < visits.blockCount(); ++i)
+  {
+    if (i + ahead < visits.blockCount())
+    {
+      blocks_.prefetch(visits.block(i + ahead));
+      gradients_.prefetch(visits.block(i + ahead));
+    }
+    const std::uint32_t number = visits.block(i);
+    const CrossedBlock block(space_, blocks_.all()[number], number);
+    const auto takeEntries = [&] {
+      this->enter(tile, block, entries);
+      entries.count = 0;
+    };
+    visits.forVisits(i, [&](const BlockVisits::Visit& visit) {
+      if (!entries.hasRoom())
+      {
+        takeEntries();
+      }
+      enterBlock(block, tile.rays, visit.first, visit.wanted, entries);
+    });
+    if (entries.count != 0)
+    {
+      takeEntries();
+    }
+  }
+  visits.clear();
+}
+
+void BlockIntersection::enter(RayTile& tile, const CrossedBlock& place, const BlockEntries& entries) const
+{
   OctantCandidates& candidates = tile.candidates;
   CrossedBlock& block = candidates.blocks[candidates.blockCount];
-  block = CrossedBlock(space_, blocks_.all()[number], number);
-  BlockEntries entries;
-  const std::uint32_t entering = enterBlock(block, tile.rays, first, wanted, entries);
-  if (entering == 0)
-  {
-    return 0;
-  }
-  const bool wasKept = blocks_.isKept(number); // else it may be by another thread now, but not this record
-  block.record = &blocks_.record(number);
-  block.record->prefetch();
-  const bool all = tile.hits[first].all;
-  const bool withNormals = all && tile.places.withNormals;
-  if (withNormals)
-  {
-    gradients_.prefetch(number);
-  }
+  block = place;
+  const bool wasKept =
+    blocks_.isKept(block.number); // else it may be by another thread now, but not this record
+  block.record = &blocks_.record(block.number);
   ++candidates.blockCount;
   const int before = candidates.count;
-  cross(tile, first, entering, entries);
-  if (withNormals)
+  this->cross(tile, entries);
+  const bool all = tile.hits[entries.ray[0]].all;
+  if (all && tile.places.withNormals)
   {
     for (int i = before; i < candidates.count; ++i)
     {
-      gradients_.prefetch(number, candidates.octant(i));
+      gradients_.prefetch(block.number, candidates.octant(i));
     }
   }
   candidates.dropEmptyBlock();
@@ -206,21 +267,9 @@ std::uint32_t BlockIntersection::intersect(
     takeCandidates(tile);
     candidates.blockCount = 0;
   }
-  std::uint32_t nearer = 0;
-  for (std::uint32_t rest = entering; rest != 0; rest &= rest - 1)
-  {
-    const int i = std::countr_zero(rest);
-    if (tile.rays.limit[first + i] < tile.hits[first + i].limit)
-    {
-      tile.hits[first + i].limit = tile.rays.limit[first + i];
-      nearer |= 1u << i;
-    }
-  }
-  return nearer;
 }
 
-void BlockIntersection::cross(
-  RayTile& tile, int first, std::uint32_t entering, const BlockEntries& entries) const
+void BlockIntersection::cross(RayTile& tile, const BlockEntries& entries) const
 {
   const std::span<const double> isovalues = blocks_.isovalues();
   constexpr std::size_t together = OctantCandidates::mostIsovalues;
@@ -232,7 +281,7 @@ void BlockIntersection::cross(
       tile.candidates.keepLastBlock();
     }
     crossBlock(isovalues.subspan(s, std::min(together, isovalues.size() - s)), static_cast<int>(s), tile.rays,
-      first, entering, entries, tile.candidates);
+      entries, tile.candidates);
   }
 }
 
@@ -287,17 +336,21 @@ void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double 
   }
   const CrossedBlock& block = candidates.block(candidate);
   const std::uint8_t octant = candidates.octant(candidate);
-  const auto hit = [&] {
-    return SurfaceHit{ t, {}, {}, candidates.isovalue(candidate), block.number, octant };
+  // In its place: a copy would wait until it has been written.
+  const auto setHit = [&](SurfaceHit& hit) {
+    hit.t = t;
+    hit.surface = candidates.isovalue(candidate);
+    hit.block = block.number;
+    hit.octant = octant;
   };
   if (hits.all)
   {
-    hits.all->push_back(hit());
+    setHit(hits.all->emplace_back());
     addPlace(tile, number, block, octant, candidates.place(candidate, s));
   }
   else if (hits.isNearer(t, block.number))
   {
-    hits.nearest = hit();
+    setHit(hits.nearest);
     hits.place = candidates.place(candidate, s);
     tile.rays.limit[number] = t;
   }
@@ -342,7 +395,8 @@ void BlockIntersection::takePlaces(RayTile& tile) const
     const int number = tile.placed[i].ray;
     RayHits& hits = tile.hits[number];
     // Not at every hit: to sort them takes time.
-    if (hits.all && hits.all->size() / 2 >= hits.most)
+    constexpr std::size_t tooMany = 3;
+    if (hits.all && hits.all->size() > hits.most && hits.all->size() - hits.most >= tooMany)
     {
       sort(tile.rays.directionOf(number), hits);
       if (hits.all->size() == hits.most)
@@ -402,6 +456,7 @@ void BlockIntersection::prepareGradients(
 
 void BlockIntersection::finish(RayTile& tile) const
 {
+  takeVisits(tile);
   takeCandidates(tile);
   tile.candidates.blockCount = 0;
   if (tile.places.withNormals)

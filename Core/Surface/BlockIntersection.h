@@ -3,6 +3,7 @@
 // the packets of a tile.
 #pragma once
 
+#include "Surface/BlockVisits.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Kernel/SurfaceKernel.h"
 
@@ -65,13 +66,14 @@ struct RayTile
   static constexpr int packet = PixelRays::edge;
   static constexpr int size = 4 * packet; // pixels along an edge
   static constexpr int most = size * size;
-  static_assert(most == SlabRays::most && packet * packet == OctantCandidates::mostRays);
+  static_assert(most == SlabRays::most && packet * packet == PixelRays::most);
 
   int count = 0;
   SlabRays rays;
   std::array<RayHits, most> hits;
   std::array<std::vector<SurfaceHit>, most> all;
   std::vector<RayParts> parts; // of the rays, where stops cut them
+  BlockVisits visits;          // of rays that want all hits
   OctantCandidates candidates;
   CandidateRoots roots;
   HitPlaces places;
@@ -96,6 +98,7 @@ struct RayTile
   {
     count = 0;
     parts.clear();
+    visits.clear();
     candidates.count = 0;
     candidates.blockCount = 0;
     places.count = 0;
@@ -117,7 +120,8 @@ public:
   /// Finds hits of a ray in a block: whether the nearest is now there. Throws when there is no memory for vertex
   /// values, as the next does.
   bool intersect(std::uint32_t block, const RayPart& ray, RayHits& hits) const;
-  /// The same for those of the 16 rays from the first on whose bits are set: whose limits have come nearer.
+  /// The same for those of the 16 rays from the first on whose bits are set: whose limits have come nearer. Rays that
+  /// want all hits get them at the end.
   std::uint32_t intersect(std::uint32_t block, int first, std::uint32_t wanted, RayTile& tile) const;
 
   /// The nearest hit of a ray that has been through all blocks; it has one.
@@ -141,8 +145,14 @@ private:
     const GoesOn& goesOn) const;
   CrossedBlock opened(std::uint32_t number) const;
 
-  /// Adds what some of the 16 rays from the first on may hit in the last block of the candidates.
-  void cross(RayTile& tile, int first, std::uint32_t entering, const BlockEntries& entries) const;
+  /// Where a block is along the rays of a tile, but for a factor.
+  float depthOf(std::uint32_t block, const RayTile& tile) const noexcept;
+  /// Finds what rays find in a block that they enter.
+  void enter(RayTile& tile, const CrossedBlock& place, const BlockEntries& entries) const;
+  /// Adds what they may hit in the last block of the candidates.
+  void cross(RayTile& tile, const BlockEntries& entries) const;
+  /// Finds what rays have to find in the blocks that they come to.
+  void takeVisits(RayTile& tile) const;
   /// Finds the roots of the candidates that there are.
   void takeCandidates(RayTile& tile) const;
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;

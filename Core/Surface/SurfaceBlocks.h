@@ -137,6 +137,15 @@ public:
     const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
     return number != 0 ? pool_.chunkOf(number).records[number % Chunk::size] : compute(block);
   }
+  /// Announces that the values of a block, when they are kept, will be read.
+  void prefetch(std::uint32_t block) const noexcept
+  {
+    const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
+    if (number != 0)
+    {
+      pool_.chunkOf(number).records[number % Chunk::size].prefetch();
+    }
+  }
 
   /// Call when no thread asks for records, before a frame. When the budget is used up and most of the records of
   /// the last frame were not kept, forgets all, so that a new view gets its share.

@@ -135,9 +135,9 @@ struct Slab
   Mask up;
   Mask crosses;
 
-  HWY_INLINE Slab(const SlabRays& rays, int axis, int begin)
-    : origin(hn::LoadU(Tag(), &rays.origin[axis][begin]))
-    , inverse(hn::LoadU(Tag(), &rays.inverse[axis][begin]))
+  HWY_INLINE Slab(Doubles rayOrigin, Doubles rayInverse)
+    : origin(rayOrigin)
+    , inverse(rayInverse)
     , up(hn::Gt(inverse, hn::Zero(Tag())))
     , crosses(hn::Lt(hn::Abs(inverse), set(std::numeric_limits<double>::infinity())))
   {
@@ -145,14 +145,15 @@ struct Slab
   HWY_INLINE Doubles planeAt(double plane) const { return hn::Mul(hn::Sub(set(plane), origin), inverse); }
 };
 
-std::uint32_t EnterBlock(
+void EnterBlock(
   const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted, BlockEntries& entries)
 {
   const Tag d;
+  const IntTag di;
   const Doubles infinity = set(std::numeric_limits<double>::infinity());
-  std::uint32_t entering = 0;
-  for (int i = 0; i < OctantCandidates::mostRays; i += lanes)
+  for (int i = 0; i < PixelRays::most; i += lanes)
   {
+    const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(wanted >> i & ((1u << lanes) - 1)) };
     const int begin = first + i;
     Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
     Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
@@ -161,7 +162,7 @@ std::uint32_t EnterBlock(
       // Beyond the octants that may be active there is nothing to find.
       const double lower = block.planes.at[a][block.first[a]];
       const double upper = block.planes.at[a][block.end[a]];
-      const Slab slab(rays, a, begin);
+      const Slab slab(hn::LoadU(d, &rays.origin[a][begin]), hn::LoadU(d, &rays.inverse[a][begin]));
       const Doubles low = slab.planeAt(lower);
       const Doubles high = slab.planeAt(upper);
       // Of two neighbours exactly one has a ray that runs in their face.
@@ -171,34 +172,36 @@ std::uint32_t EnterBlock(
       t0 = hn::Max(t0, in);
       t1 = hn::Min(t1, hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity));
     }
-    hn::Store(t0, d, &entries.t0[i]);
-    hn::Store(t1, d, &entries.t1[i]);
     const Mask enters = hn::And(hn::Lt(t0, t1), hn::Le(t0, hn::LoadU(d, &rays.limit[begin])));
-    HWY_ALIGN std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, enters, bits);
-    entering |= static_cast<std::uint32_t>(bits[0]) << i;
+    const Packing packing(hn::And(enters, hn::LoadMaskBits(d, bits.data())));
+    packing.store(t0, &entries.t0[entries.count]);
+    packing.store(t1, &entries.t1[entries.count]);
+    packing.store(hn::Iota(di, begin), &entries.ray[entries.count]);
+    entries.count += packing.count();
   }
-  return entering & wanted;
 }
 
-/// walkBlock() for a vector of rays from first + i on, on from where they enter; alive: which of them.
-HWY_INLINE void walk(const CrossedBlock& block, const SlabRays& rays, const BlockEntries& entries, int first,
-  int i, Mask alive, Crossings& found)
+/// walkBlock() for a vector of rays from the i-th on, on from where they enter.
+HWY_INLINE void walk(
+  const CrossedBlock& block, const SlabRays& rays, const BlockEntries& entries, int i, Crossings& found)
 {
   const Tag d;
   const IntTag di;
   const BitsTag du;
-  const int begin = first + i;
   const Doubles infinity = set(std::numeric_limits<double>::infinity());
   std::array<Axis, 3> axes;
   Doubles t0 = hn::Load(d, &entries.t0[i]);
   const Doubles t1 = hn::Load(d, &entries.t1[i]);
-  const Doubles limit = hn::LoadU(d, &rays.limit[begin]);
+  Mask alive = hn::FirstN(d, static_cast<std::size_t>(entries.count - i));
+  // Beyond the last ray there may be anything.
+  const Integers ray = hn::And(hn::Load(di, &entries.ray[i]), hn::Set(di, SlabRays::most - 1));
+  const Doubles limit = hn::GatherIndex(d, rays.limit.data(), ray);
   for (int a = 0; a < 3; ++a)
   {
     Axis& axis = axes[a];
     const auto& p = block.planes.at[a];
-    const Slab slab(rays, a, begin);
+    const Slab slab(
+      hn::GatherIndex(d, rays.origin[a].data(), ray), hn::GatherIndex(d, rays.inverse[a].data(), ray));
     const Doubles low = slab.planeAt(p[1]);
     const Doubles middle = slab.planeAt(p[2]);
     const Doubles high = slab.planeAt(p[3]);
@@ -214,7 +217,7 @@ HWY_INLINE void walk(const CrossedBlock& block, const SlabRays& rays, const Bloc
       slab.crosses, hn::IfThenElse(slab.up, axis.passed, hn::Sub(set(3.), axis.passed)), stays);
     axis.findNext();
   }
-  const auto rayCode = hn::ShiftLeft<32>(hn::Iota(di, begin));
+  const auto rayCode = hn::ShiftLeft<32>(ray);
   const auto active = hn::Set(du, block.record->active);
   for (;;)
   {
@@ -283,8 +286,8 @@ struct Places
   }
 };
 
-void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  std::uint32_t entering, const BlockEntries& entries, OctantCandidates& found)
+void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays,
+  const BlockEntries& entries, OctantCandidates& found)
 {
   const Tag d;
   const IntTag di;
@@ -292,14 +295,9 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
   const SurfaceRecord& record = *block.record;
   const BlockPlanes& planes = block.planes;
   Crossings crossings;
-  for (int begin = 0; begin < OctantCandidates::mostRays; begin += lanes)
+  for (int i = 0; i < entries.count; i += lanes)
   {
-    const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(
-      entering >> begin & ((1u << lanes) - 1)) };
-    if (bits[0] != 0)
-    {
-      walk(block, rays, entries, first, begin, hn::LoadMaskBits(d, bits.data()), crossings);
-    }
+    walk(block, rays, entries, i, crossings);
   }
   const Doubles perWidth =
     set(std::max({ planes.inverseWidth[0][0], planes.inverseWidth[1][0], planes.inverseWidth[2][0] }));
@@ -379,16 +377,16 @@ namespace treeamr
 HWY_EXPORT(EnterBlock);
 HWY_EXPORT(CrossBlock);
 
-std::uint32_t enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
+void enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
   BlockEntries& entries) noexcept
 {
-  return HWY_DYNAMIC_DISPATCH(EnterBlock)(block, rays, first, wanted, entries);
+  HWY_DYNAMIC_DISPATCH(EnterBlock)(block, rays, first, wanted, entries);
 }
 
-void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  std::uint32_t entering, const BlockEntries& entries, OctantCandidates& found) noexcept
+void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays,
+  const BlockEntries& entries, OctantCandidates& found) noexcept
 {
-  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, first, entering, entries, found);
+  HWY_DYNAMIC_DISPATCH(CrossBlock)(isovalues, firstIsovalue, rays, entries, found);
 }
 
 } // namespace treeamr

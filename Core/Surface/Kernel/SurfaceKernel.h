@@ -103,9 +103,9 @@ struct CrossedBlock
 /// Parts of rays in octants in which the field may reach an isovalue, by component, of some blocks.
 struct OctantCandidates
 {
-  static constexpr int mostRays = PixelRays::most;
-  static constexpr int mostIsovalues = 4; // that are looked for at once
-  static constexpr int mostOctants = 10;  // that a ray passes in a block
+  static constexpr int mostRays = 4 * PixelRays::most; // that are crossed with a block at once
+  static constexpr int mostIsovalues = 4;              // that are looked for at once
+  static constexpr int mostOctants = 10;               // that a ray passes in a block
   static constexpr int mostAdded = mostRays * mostIsovalues * mostOctants;
   /// So many are worth to find their roots.
   static constexpr int enough = 64;
@@ -156,24 +156,29 @@ struct OctantCandidates
   }
 };
 
-/// Where 16 rays are between the planes that narrow a block.
+/// Rays that come between the planes that narrow a block, before their limits: the others have nothing to find in it.
+/// By component, which a vector beyond the last may be written and read of.
 struct BlockEntries
 {
-  using Component = std::array<double, OctantCandidates::mostRays>;
-  alignas(64) Component t0;
+  static constexpr int most = OctantCandidates::mostRays;
+  using Component = std::array<double, most + 8>;
+  int count = 0;
+  alignas(64) Component t0; // the part between the planes
   alignas(64) Component t1;
+  alignas(64) std::array<std::int64_t, most + 8> ray;
+
+  /// For those of a packet.
+  bool hasRoom() const noexcept { return count <= most - PixelRays::most; }
 };
 
-/// Which of the 16 rays from the first on come between these planes, before their limits, of those whose bits are set
-/// in `wanted`: the others have nothing to find in the block.
-std::uint32_t enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
+/// Adds those of the 16 rays from the first on whose bits are set in `wanted`.
+void enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
   BlockEntries& entries) noexcept;
 
 /// Adds those in the last block of the rays that enter it, and of as many isovalues as mostIsovalues at most, numbered
-/// from firstIsovalue; entering: as enterBlock() says. Those of a ray come in its order, and of an octant in that of
-/// the isovalues.
-void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays, int first,
-  std::uint32_t entering, const BlockEntries& entries, OctantCandidates& found) noexcept;
+/// from firstIsovalue. Those of a ray come in its order, and of an octant in that of the isovalues.
+void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays,
+  const BlockEntries& entries, OctantCandidates& found) noexcept;
 
 /// Roots of the cubics of candidates.
 struct CandidateRoots
