@@ -17,29 +17,24 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-/// The state of a vector of rays along one axis.
+/// The state of a vector of rays along one axis: the planes between octants that are still ahead of them, in the order
+/// that they cross them. Beyond the last one the block ends.
 struct Axis
 {
-  std::array<Doubles, 3> planeT; // of those between octants, in the order that the ray crosses them
-  Doubles next;                  // of them
-  Doubles passed;                // octants
-  Doubles cell;
-  Doubles step; // of the cell; 0: the ray stays in it
+  Doubles next;
+  Doubles second;
+  Doubles third;
+  Integers step; // of the octant, behind each; 0: the ray stays in its layer of octants
 
-  HWY_INLINE void findNext()
-  {
-    // Beyond the last one the block ends.
-    next = hn::IfThenElse(hn::Eq(passed, set(0.)), planeT[0],
-      hn::IfThenElse(hn::Eq(passed, set(1.)), planeT[1],
-        hn::IfThenElse(hn::Eq(passed, set(2.)), planeT[2], set(std::numeric_limits<double>::infinity()))));
-  }
   HWY_INLINE void advance(Mask rays)
   {
-    cell = hn::Add(cell, hn::IfThenElseZero(rays, step));
-    passed = hn::Add(passed, hn::IfThenElseZero(rays, set(1.)));
-    const Doubles before = next;
-    findNext();
-    next = hn::IfThenElse(rays, next, before);
+    next = hn::IfThenElse(rays, second, next);
+    second = hn::IfThenElse(rays, third, second);
+    third = hn::IfThenElse(rays, set(std::numeric_limits<double>::infinity()), third);
+  }
+  HWY_INLINE Integers stepOf(Mask rays) const
+  {
+    return hn::IfThenElseZero(hn::RebindMask(IntTag(), rays), step);
   }
 };
 
@@ -196,38 +191,48 @@ HWY_INLINE void walk(
   // Beyond the last ray there may be anything.
   const Integers ray = hn::And(hn::Load(di, &entries.ray[i]), hn::Set(di, SlabRays::most - 1));
   const Doubles limit = hn::GatherIndex(d, rays.limit.data(), ray);
+  Doubles first = hn::Zero(d); // octant
   for (int a = 0; a < 3; ++a)
   {
     Axis& axis = axes[a];
     const auto& p = block.planes.at[a];
+    const double octants = 1 << 2 * a; // from one layer to the next
     const Slab slab(
       hn::GatherIndex(d, rays.origin[a].data(), ray), hn::GatherIndex(d, rays.inverse[a].data(), ray));
     const Doubles low = slab.planeAt(p[1]);
     const Doubles middle = slab.planeAt(p[2]);
     const Doubles high = slab.planeAt(p[3]);
-    axis.planeT[0] = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high), infinity);
-    axis.planeT[1] = hn::IfThenElse(slab.crosses, middle, infinity);
-    axis.planeT[2] = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity);
-    axis.passed =
-      countTrue(hn::Le(axis.planeT[0], t0), hn::Le(axis.planeT[1], t0), hn::Le(axis.planeT[2], t0));
+    const std::array<Doubles, 3> planeT{ hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high), infinity),
+      hn::IfThenElse(slab.crosses, middle, infinity),
+      hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity) };
+    // Each only where the one before is.
+    const std::array<Mask, 3> isPassed{ hn::Le(planeT[0], t0), hn::Le(planeT[1], t0), hn::Le(planeT[2], t0) };
+    axis.next = hn::IfThenElse(isPassed[2], infinity,
+      hn::IfThenElse(isPassed[1], planeT[2], hn::IfThenElse(isPassed[0], planeT[1], planeT[0])));
+    axis.second =
+      hn::IfThenElse(isPassed[1], infinity, hn::IfThenElse(isPassed[0], planeT[2], planeT[1]));
+    axis.third = hn::IfThenElse(isPassed[0], infinity, planeT[2]);
+    const Doubles passed = countTrue(isPassed[0], isPassed[1], isPassed[2]);
     const Doubles stays = countTrue(
       hn::Ge(slab.origin, set(p[1])), hn::Ge(slab.origin, set(p[2])), hn::Ge(slab.origin, set(p[3])));
-    axis.step = hn::IfThenElseZero(slab.crosses, hn::IfThenElse(slab.up, set(1.), set(-1.)));
-    axis.cell = hn::IfThenElse(
-      slab.crosses, hn::IfThenElse(slab.up, axis.passed, hn::Sub(set(3.), axis.passed)), stays);
-    axis.findNext();
+    const Doubles cell = hn::IfThenElse(
+      slab.crosses, hn::IfThenElse(slab.up, passed, hn::Sub(set(3.), passed)), stays);
+    first = hn::Add(first, hn::Mul(set(octants), cell));
+    axis.step = hn::ConvertTo(
+      di, hn::IfThenElseZero(slab.crosses, hn::IfThenElse(slab.up, set(octants), set(-octants))));
   }
+  Integers octant = hn::ConvertTo(di, first);
   const auto rayCode = hn::ShiftLeft<32>(ray);
   const auto active = hn::Set(du, block.record->active);
+  const auto low6 = hn::Set(di, 63);
   for (;;)
   {
     const Doubles tOut = hn::Min(hn::Min(axes[0].next, axes[1].next), hn::Min(axes[2].next, t1));
-    // Rays that are through the block have left it: of their octants only the bits of a number count.
-    const auto octant = hn::ConvertTo(
-      di, hn::Add(axes[0].cell, hn::Add(hn::Mul(set(4.), axes[1].cell), hn::Mul(set(16.), axes[2].cell))));
-    const auto isActive = hn::TestBit(hn::Shr(active, hn::BitCast(du, octant)), hn::Set(du, 1));
+    // Of the octants of rays that are through the block only the bits of a number count.
+    const Integers inBlock = hn::And(octant, low6);
+    const auto isActive = hn::TestBit(hn::Shr(active, hn::BitCast(du, inBlock)), hn::Set(du, 1));
     found.add(hn::And(hn::And(alive, hn::Lt(t0, tOut)), hn::RebindMask(d, isActive)), t0, tOut,
-      hn::Or(rayCode, octant));
+      hn::Or(rayCode, inBlock));
     alive = hn::And(alive, hn::And(hn::Lt(tOut, t1), hn::Le(tOut, limit)));
     if (hn::AllFalse(d, alive))
     {
@@ -236,9 +241,11 @@ HWY_INLINE void walk(
     t0 = hn::Max(t0, tOut);
     const Mask x = hn::Eq(axes[0].next, tOut);
     const Mask y = hn::AndNot(x, hn::Eq(axes[1].next, tOut));
+    const Mask z = hn::Not(hn::Or(x, y));
     axes[0].advance(x);
     axes[1].advance(y);
-    axes[2].advance(hn::Not(hn::Or(x, y)));
+    axes[2].advance(z);
+    octant = hn::Add(hn::Add(octant, axes[0].stepOf(x)), hn::Add(axes[1].stepOf(y), axes[2].stepOf(z)));
   }
 }
 
