@@ -202,21 +202,21 @@ HWY_INLINE void walk(
     const Doubles low = slab.planeAt(p[1]);
     const Doubles middle = slab.planeAt(p[2]);
     const Doubles high = slab.planeAt(p[3]);
-    const std::array<Doubles, 3> planeT{ hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high), infinity),
+    const std::array<Doubles, 3> planeT{ hn::IfThenElse(
+                                           slab.crosses, hn::IfThenElse(slab.up, low, high), infinity),
       hn::IfThenElse(slab.crosses, middle, infinity),
       hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity) };
     // Each only where the one before is.
     const std::array<Mask, 3> isPassed{ hn::Le(planeT[0], t0), hn::Le(planeT[1], t0), hn::Le(planeT[2], t0) };
     axis.next = hn::IfThenElse(isPassed[2], infinity,
       hn::IfThenElse(isPassed[1], planeT[2], hn::IfThenElse(isPassed[0], planeT[1], planeT[0])));
-    axis.second =
-      hn::IfThenElse(isPassed[1], infinity, hn::IfThenElse(isPassed[0], planeT[2], planeT[1]));
+    axis.second = hn::IfThenElse(isPassed[1], infinity, hn::IfThenElse(isPassed[0], planeT[2], planeT[1]));
     axis.third = hn::IfThenElse(isPassed[0], infinity, planeT[2]);
     const Doubles passed = countTrue(isPassed[0], isPassed[1], isPassed[2]);
     const Doubles stays = countTrue(
       hn::Ge(slab.origin, set(p[1])), hn::Ge(slab.origin, set(p[2])), hn::Ge(slab.origin, set(p[3])));
-    const Doubles cell = hn::IfThenElse(
-      slab.crosses, hn::IfThenElse(slab.up, passed, hn::Sub(set(3.), passed)), stays);
+    const Doubles cell =
+      hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, passed, hn::Sub(set(3.), passed)), stays);
     first = hn::Add(first, hn::Mul(set(octants), cell));
     axis.step = hn::ConvertTo(
       di, hn::IfThenElseZero(slab.crosses, hn::IfThenElse(slab.up, set(octants), set(-octants))));
