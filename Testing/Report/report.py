@@ -391,7 +391,8 @@ def isosurface_section(report):
             "Implicit: the ray tracer's extraction and hierarchy, points and normals as pixels see them. Contour: "
             "triangles, at their vertices, over their flat faces, and over the faces with interpolated normals. "
             "Along a line the tree is refined.")
-    finest = [row for row in own if row["refinement"] == max(r["refinement"] for r in own)]
+    last = {row["tree"]: max(r["refinement"] for r in own if r["tree"] == row["tree"]) for row in own}
+    finest = [row for row in own if row["refinement"] == last[row["tree"]]]
     angles = {(row["surface"], row["tree"], row["method"]): row["angle_mean_degrees"] for row in finest}
     ratios = [angles[surface, tree, "implicit"] / angles[surface, tree, "contour-smooth"]
               for surface in surfaces for tree in trees]
