@@ -175,6 +175,26 @@ TEST(VolumeLight, EveryKindEqualsTheReferenceOnEveryTarget)
   }
 }
 
+// As in VTK: what is not mirrored towards the eye at all has no highlight.
+TEST(VolumeLight, NoPowerIsTheLimitOfSmallOnes)
+{
+  const auto field = waves();
+  for (const LitView& view : litViews())
+  {
+    const Camera camera(multiply(view.clipFromView, view.viewFromData), identityMatrix, width, height);
+    VolumeSettings settings;
+    settings.shading = shadings()[0].second;
+    settings.shading->lightsFromData = view.viewFromData;
+    settings.shading->specularPower = 1e-5f;
+    Image limit(width, height);
+    renderVolume(*field, colors(), camera, {}, settings, limit);
+    settings.shading->specularPower = 0.f;
+    Image none(width, height);
+    renderVolume(*field, colors(), camera, {}, settings, none);
+    EXPECT_LT(largestDifference(none, limit), 1e-3f) << view.name;
+  }
+}
+
 TEST(VolumeLight, GradientOpacityEqualsTheReferenceOnEveryTarget)
 {
   const auto field = waves();

@@ -75,7 +75,8 @@ std::array<double, 3> lightVolume(
     }
     const Vec3 mirrored{ travels[0] - 2. * cosine * normal[0], travels[1] - 2. * cosine * normal[1],
       travels[2] - 2. * cosine * normal[2] };
-    const double highlight = std::pow(std::max(0., dot(mirrored, toEye)), shading.specularPower);
+    const double closeness = dot(mirrored, toEye);
+    const double highlight = closeness > 0. ? std::pow(closeness, shading.specularPower) : 0.;
     for (int c = 0; c < 3; ++c)
     {
       lit[c] += arrives *

@@ -64,7 +64,7 @@ HWY_INLINE Reals<Real> logarithm(Reals<Real> x)
   return mulAdd(natural, hn::Set(d, Real(std::numbers::log2e)), exponent);
 }
 
-/// Of numbers in [0, 1].
+/// Of numbers in [0, 1]; 0 of 0 whatever the power, as VTK has it.
 template <class Real>
 HWY_INLINE Reals<Real> power(Reals<Real> x, const Falloff& falloff)
 {
@@ -72,9 +72,9 @@ HWY_INLINE Reals<Real> power(Reals<Real> x, const Falloff& falloff)
   const Reals<Real> one = hn::Set(d, Real(1));
   if (falloff.whole >= 0)
   {
-    Reals<Real> square =
-      hn::IfThenElseZero(hn::Ge(x, hn::Set(d, static_cast<Real>(falloff.least))), hn::Min(x, one));
-    Reals<Real> result = one;
+    const Mask<Real> isMore = hn::Gt(x, hn::Set(d, static_cast<Real>(falloff.least)));
+    Reals<Real> square = hn::IfThenElseZero(isMore, hn::Min(x, one));
+    Reals<Real> result = hn::IfThenElseZero(isMore, one);
     for (auto rest = static_cast<unsigned>(falloff.whole); rest != 0; rest >>= 1)
     {
       result = (rest & 1) != 0 ? hn::Mul(result, square) : result;
