@@ -144,7 +144,7 @@ namespace
 /// What lines of a table show at a place.
 TransferFunction::Entry shown(const IntegralTable& table, double value)
 {
-  const double place = table.placeOf(value);
+  const auto place = static_cast<float>(table.placeOf(value)); // as kernels have it
   const std::size_t r = table.rowOf(place);
   const IntegralTable::Row& row = table.rows()[r];
   std::array<double, 4> terms;
@@ -229,5 +229,34 @@ TEST(ColorSpaces, TablesOfAThousandRandomPointsAreSmallAndRight)
       EXPECT_LE(worst, asked) << name;
       EXPECT_LE(worstShown, asked) << name;
     }
+  }
+}
+
+// Below the largest value 57 decades have the colours of their own; the slopes of rows beneath are no floats.
+TEST(ColorSpaces, TablesHoldManyDecades)
+{
+  vtkNew<vtkColorTransferFunction> color;
+  color->SetScale(VTK_CTF_LOG10);
+  color->AddRGBPoint(1e-30, 0., 0.2, 1.);
+  color->AddRGBPoint(1e-16, 1., 0.1, 0.);
+  color->AddRGBPoint(1e4, 0., 1., 0.3);
+  color->AddRGBPoint(1e30, 1., 1., 0.);
+  vtkNew<vtkPiecewiseFunction> opacity;
+  opacity->AddPoint(1e-30, 0.5);
+  opacity->AddPoint(1e30, 0.5);
+  vtkNew<vtkVolumeProperty> property;
+  property->SetColor(color);
+  property->SetScalarOpacity(opacity);
+  const TransferFunction function = convertTransferFunction(property, { 1e-30f, 1e30f });
+  const IntegralTable table(function, 1., 1e8, 1. / 128.);
+  for (int i = 0; i <= 5700; ++i)
+  {
+    const auto value = static_cast<float>(std::pow(10., -27. + 0.01 * i));
+    const TransferFunction::Entry entry = shown(table, value);
+    double rgb[3];
+    color->GetColor(value, rgb);
+    ASSERT_NEAR(entry.r, rgb[0], 1. / 512.) << value;
+    ASSERT_NEAR(entry.g, rgb[1], 1. / 512.) << value;
+    ASSERT_NEAR(entry.b, rgb[2], 1. / 512.) << value;
   }
 }

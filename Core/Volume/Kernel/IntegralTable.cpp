@@ -160,12 +160,14 @@ IntegralTable::IntegralTable(
   const double low = nodes.front().value;
   const double high = nodes.back().value;
   reference_ = std::clamp(0., low, high);
-  // Places are values unless floats would leave their range.
+  // Places are values unless floats would leave their range: then as large as may be, so that decades fit below.
   const double farthest = std::max(high - reference_, reference_ - low);
   const int magnitude = farthest > 0. ? std::ilogb(farthest) : 0;
   // No float is between the nodes of a steeper one, and places of all floats stay finite.
   constexpr int steepest = 800;
-  scale_ = std::abs(magnitude) > largest ? std::ldexp(1., std::min(-magnitude, steepest)) : 1.;
+  scale_ = magnitude > largest ? std::ldexp(1., largest - magnitude)
+    : magnitude < -largest     ? std::ldexp(1., std::min(-magnitude, steepest))
+                               : 1.;
   unscale_ = std::ldexp(1., std::max(0, std::ilogb(mostExtinction) - largest / 2));
   const double mostInSums = mostExtinction / unscale_;
 
