@@ -93,6 +93,11 @@ void cellsToPoints(
   }
 }
 
+constexpr int pointOfVertex(int vertex)
+{
+  return vertex % 5 + 2 + pointStride[1] * (vertex / 5 % 5 + 2) + pointStride[2] * (vertex / 25 + 2);
+}
+
 constexpr int vertexOfPoint(int point)
 {
   return point % 9 - 2 + 5 * (point / 9 % 9 - 2) + 25 * (point / 81 - 2);
@@ -610,26 +615,6 @@ double GradientEvaluator::slopeBesideMissing(int depth, Level& level, int axis, 
   return low < high ? (along[high].value - along[low].value) / (at[high] - at[low]) : 0.;
 }
 
-namespace
-{
-
-/// Calls f(vertex, its point) for some of a block's.
-template <class F>
-void forAll(const BlockVertices& vertices, const F& f) noexcept
-{
-  for (int z = 0; z < block::verticesPerEdge; ++z)
-  {
-    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
-    {
-      const int bit = std::countr_zero(rest);
-      f(bit + block::vertexStride[2] * z,
-        bit % 5 + 2 + pointStride[1] * (bit / 5 + 2) + pointStride[2] * (z + 2));
-    }
-  }
-}
-
-} // namespace
-
 /// Many of the path's node: the slopes of all at once, and those anew that are none between two even points.
 void GradientEvaluator::computeMany(
   int depth, Level& level, const BlockVertices& vertices, BlockGradients& gradients) noexcept
@@ -638,7 +623,8 @@ void GradientEvaluator::computeMany(
   int otherCount = 0;
   if (level.hasSpecial)
   {
-    forAll(vertices, [&](int /*vertex*/, int point) {
+    forEachVertex(vertices, [&](int vertex) {
+      const int point = pointOfVertex(vertex);
       bool isOther = touches(level.coarse, pointPlaces[point]);
       for (int a = 0; a < 3 && !isOther; ++a)
       {
@@ -701,8 +687,8 @@ void GradientEvaluator::compute(const BlockPath& path, BlockCells cells, const B
   }
   else
   {
-    forAll(vertices,
-      [&](int vertex, int point) { gradients[vertex] = this->gradientAt(path.depth, level, point); });
+    forEachVertex(vertices,
+      [&](int vertex) { gradients[vertex] = this->gradientAt(path.depth, level, pointOfVertex(vertex)); });
   }
   level.vertices = nullptr; // the caller's
 }
@@ -716,30 +702,25 @@ void GradientEvaluator::computeFromCorners(
   {
     this->moveTo(path);
   }
-  for (int z = 0; z < block::verticesPerEdge; ++z)
-  {
-    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+  forEachVertex(vertices, [&](int v) {
+    const std::array<int, 3> at{ v % 5, v / 5 % 5, v / 25 };
+    int low = 0;
+    unsigned halfway = 0; // mask of axes
+    for (int a = 0; a < 3; ++a)
     {
-      const int bit = std::countr_zero(rest);
-      const std::array<int, 3> at{ bit % 5, bit / 5, z };
-      int low = 0;
-      unsigned halfway = 0; // mask of axes
+      low += familyStride[a] * (at[a] / 2);
+      halfway |= static_cast<unsigned>(at[a] & 1) << a;
+    }
+    Vec3 sum{};
+    const int count = forSides(low, halfway, [&](int vertex) {
+      const Vec3 one = isOnlyLeaf ? corners_->inOnlyLeaf(vertex) : corners_->at(path_, vertex);
       for (int a = 0; a < 3; ++a)
       {
-        low += familyStride[a] * (at[a] / 2);
-        halfway |= static_cast<unsigned>(at[a] & 1) << a;
+        sum[a] += one[a];
       }
-      Vec3 sum{};
-      const int count = forSides(low, halfway, [&](int vertex) {
-        const Vec3 one = isOnlyLeaf ? corners_->inOnlyLeaf(vertex) : corners_->at(path_, vertex);
-        for (int a = 0; a < 3; ++a)
-        {
-          sum[a] += one[a];
-        }
-      });
-      gradients[bit + block::vertexStride[2] * z] = { sum[0] / count, sum[1] / count, sum[2] / count };
-    }
-  }
+    });
+    gradients[v] = { sum[0] / count, sum[1] / count, sum[2] / count };
+  });
 }
 
 BlockVertices verticesOfOctants(std::uint64_t octants) noexcept

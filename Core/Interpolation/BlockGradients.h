@@ -25,6 +25,7 @@
 #include "Octree/TreePath.h"
 
 #include <array>
+#include <bit>
 #include <bitset>
 #include <cstdint>
 #include <memory>
@@ -42,6 +43,19 @@ using BlockVertices = std::array<std::uint32_t, block::verticesPerEdge>;
 inline void add(BlockVertices& vertices, int x, int y, int z) noexcept
 {
   vertices[z] |= 1u << (x + block::verticesPerEdge * y);
+}
+
+/// Calls f(vertex) for each.
+template <class F>
+void forEachVertex(const BlockVertices& vertices, const F& f)
+{
+  for (int z = 0; z < block::verticesPerEdge; ++z)
+  {
+    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+    {
+      f(std::countr_zero(rest) + block::vertexStride[2] * z);
+    }
+  }
 }
 
 /// Those of octants x + 4 y + 16 z.

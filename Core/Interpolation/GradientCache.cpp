@@ -3,7 +3,6 @@
 #include "Geometry/Bounds.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <new>
 
@@ -13,20 +12,15 @@ namespace treeamr
 BlockGradientRecord::BlockGradientRecord(
   const BlockGradients& gradients, const BlockVertices& vertices, double scale) noexcept
 {
-  std::array<std::array<double, block::vertexCount>, 3>
-    slopes{}; // by axis; none of vertices that were not asked for
-  for (int z = 0; z < block::verticesPerEdge; ++z)
-  {
-    for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
+  // By axis; none of vertices that were not asked for.
+  std::array<std::array<double, block::vertexCount>, 3> slopes{};
+  forEachVertex(vertices, [&](int v) {
+    for (int a = 0; a < 3; ++a)
     {
-      const int v = std::countr_zero(rest) + block::vertexStride[2] * z;
-      for (int a = 0; a < 3; ++a)
-      {
-        const double slope = gradients[v][a] * scale;
-        slopes[a][v] = std::isfinite(slope) ? slope : 0.;
-      }
+      const double slope = gradients[v][a] * scale;
+      slopes[a][v] = std::isfinite(slope) ? slope : 0.;
     }
-  }
+  });
   double largest = 0.;
   for (const auto& ofAxis : slopes)
   {

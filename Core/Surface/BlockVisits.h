@@ -50,6 +50,10 @@ public:
   }
   void clear() noexcept
   {
+    if (blocks_.empty())
+    {
+      return;
+    }
     visits_.clear();
     blocks_.clear();
     order_.clear();
@@ -108,8 +112,8 @@ private:
   std::vector<Visit> visits_;
   std::vector<Block> blocks_;
   std::vector<std::uint64_t> order_; // depth << 32 | number among the blocks
-  std::vector<std::uint32_t>
-    slots_; // a hash table of the blocks' numbers, half empty; its size is a power of two
+  /// A hash table of the blocks' numbers, half empty; its size is a power of two.
+  std::vector<std::uint32_t> slots_;
 };
 
 } // namespace treeamr

@@ -1,7 +1,6 @@
 #include "Surface/SurfaceGradients.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -93,20 +92,11 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
     worker.evaluator.compute(
       path, blocks_.cellsOf(block, path.node[path.depth]), vertices, worker.gradients, &values.values);
   }
-  const auto forAll = [&](const auto& f) {
-    for (int z = 0; z < block::verticesPerEdge; ++z)
-    {
-      for (std::uint32_t rest = vertices[z]; rest != 0; rest &= rest - 1)
-      {
-        f(std::countr_zero(rest) + block::vertexStride[2] * z);
-      }
-    }
-  };
   // The first octants, which one thread adds before others see the record, decide.
   if (ready == 0)
   {
     double largest = 0.;
-    forAll([&](int v) {
+    forEachVertex(vertices, [&](int v) {
       for (const double slope : worker.gradients[v])
       {
         largest = std::max(largest, std::abs(slope));
@@ -118,7 +108,7 @@ void SurfaceGradients::add(std::uint64_t octants, std::uint32_t number, const Su
   const std::array<double, 2> scale{ std::ldexp(1., record.exponent / 2),
     std::ldexp(1., record.exponent - record.exponent / 2) };
   constexpr double most = std::numeric_limits<float>::max();
-  forAll([&](int v) {
+  forEachVertex(vertices, [&](int v) {
     for (int a = 0; a < 3; ++a)
     {
       const double scaled = std::clamp(worker.gradients[v][a] * scale[0] * scale[1], -most, most);
