@@ -19,7 +19,7 @@ namespace
 constexpr std::size_t most = ColorCurve::most;
 
 /// x^(-1/12) of positive normal numbers by Newton's method, from an estimate by the bits of floats.
-inline float inverseTwelfthRoot(float x)
+[[gnu::always_inline]] inline float inverseTwelfthRoot(float x)
 {
   const auto bits = std::bit_cast<std::int32_t>(x);
   constexpr std::int32_t ofOne = 0x3f800000;
@@ -37,7 +37,7 @@ inline float inverseTwelfthRoot(float x)
 }
 
 /// sRGB's gamma, 2.4, of linear light.
-inline float withGamma(float x)
+[[gnu::always_inline]] inline float withGamma(float x)
 {
   constexpr float threshold = 0.0031308f;
   const float light = std::max(x, threshold);
@@ -47,14 +47,14 @@ inline float withGamma(float x)
   return x > threshold ? 1.055f * power - 0.055f : 12.92f * x;
 }
 
-inline float fromLab(float x)
+[[gnu::always_inline]] inline float fromLab(float x)
 {
   const float cube = x * x * x;
   return cube > 0.008856f ? cube : (x - 16.f / 116.f) * (1.f / 7.787f);
 }
 
 /// Sine of angles of few turns.
-inline float sine(float angle)
+[[gnu::always_inline]] inline float sine(float angle)
 {
   constexpr float pi = std::numbers::pi_v<float>;
   const float halfTurns = angle * (1.f / pi);
@@ -75,7 +75,7 @@ inline float sine(float angle)
 }
 
 /// Red, green and blue from CIELAB, in place, as vtkMath::LabToRGB() clips them.
-void labToRgb(ColorCurve::Colors& colors, std::size_t count)
+[[gnu::always_inline]] inline void labToRgb(ColorCurve::Colors& colors, std::size_t count)
 {
   float* const first = colors.channel[0];
   float* const second = colors.channel[1];
@@ -96,12 +96,12 @@ void labToRgb(ColorCurve::Colors& colors, std::size_t count)
     third[i] = std::max(b * scale, 0.f);
     const int brightest = greatest == 1.f ? 0 : greatest == r ? 1 : greatest == g ? 2 : 3;
     colors.branch[i] =
-      static_cast<std::uint8_t>(brightest * 8 + (r < 0.f ? 4 : 0) + (g < 0.f ? 2 : 0) + (b < 0.f ? 1 : 0));
+      static_cast<std::int32_t>(brightest * 8 + (r < 0.f ? 4 : 0) + (g < 0.f ? 2 : 0) + (b < 0.f ? 1 : 0));
   }
 }
 
 /// From hue, saturation and value, in place.
-void hsvToRgb(ColorCurve::Colors& colors, std::size_t count)
+[[gnu::always_inline]] inline void hsvToRgb(ColorCurve::Colors& colors, std::size_t count)
 {
   float* const first = colors.channel[0];
   float* const second = colors.channel[1];
@@ -118,12 +118,12 @@ void hsvToRgb(ColorCurve::Colors& colors, std::size_t count)
     first[i] = part(toEnd);
     second[i] = part(std::abs(hue - 2.f));
     third[i] = part(std::abs(hue - 4.f));
-    colors.branch[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(hue));
+    colors.branch[i] = static_cast<std::int32_t>(hue);
   }
 }
 
 /// From magnitude, saturation and hue of CIELAB's polar form to itself, in place.
-void mshToLab(ColorCurve::Colors& colors, std::size_t count)
+[[gnu::always_inline]] inline void mshToLab(ColorCurve::Colors& colors, std::size_t count)
 {
   constexpr float quarter = std::numbers::pi_v<float> / 2.f;
   float* const first = colors.channel[0];
@@ -173,12 +173,13 @@ void adjustHue(Coordinates& color, const Coordinates& other)
 
 } // namespace
 
-ColorCurve::ColorCurve(Space space, bool isLogarithmic, const ColorNode& a, const ColorNode& b)
-  : space_(space)
-  , isLogarithmic_(isLogarithmic)
-  , midpoint_(std::clamp(a[4], 0.00001, 0.99999))
-  , sharpness_(a[5])
+ColorCurve::ColorCurve(const Ends& ends)
+  : space_(ends.space)
+  , isLogarithmic_(ends.isLogarithmic)
+  , midpoint_(std::clamp(ends.a[4], 0.00001, 0.99999))
+  , sharpness_(ends.a[5])
 {
+  const auto& [space, isLogarithmic, a, b] = ends;
   begin_ = isLogarithmic ? std::log(a[0]) : a[0];
   perWidth_ = 1. / ((isLogarithmic ? std::log(b[0]) : b[0]) - begin_);
   Coordinates first{ a[1], a[2], a[3] };
@@ -247,7 +248,8 @@ ColorCurve::ColorCurve(Space space, bool isLogarithmic, const ColorNode& a, cons
   corner_ = isLogarithmic ? std::exp(middle) : middle;
 }
 
-void ColorCurve::findParts(const double* values, std::size_t count, float* parts) const
+[[gnu::always_inline]] inline void ColorCurve::findParts(
+  const double* values, std::size_t count, float* parts) const
 {
   for (std::size_t i = 0; i < count; ++i)
   {
@@ -279,10 +281,17 @@ void ColorCurve::findParts(const double* values, std::size_t count, float* parts
   }
 }
 
-void ColorCurve::at(const double* values, std::size_t count, Colors& colors) const
+[[gnu::always_inline]] inline void ColorCurve::compute(
+  const double* values, std::size_t count, Colors& colors) const
 {
   float parts[most];
   findParts(values, count, parts);
+  // Whole vectors.
+  constexpr std::size_t lanes = 8;
+  for (; count % lanes != 0; ++count)
+  {
+    parts[count] = parts[count - 1];
+  }
   if (sharpness_ > 0.99)
   {
     for (std::size_t i = 0; i < count; ++i)
@@ -292,7 +301,7 @@ void ColorCurve::at(const double* values, std::size_t count, Colors& colors) con
       {
         colors.channel[c][i] = color_[node][c];
       }
-      colors.branch[i] = static_cast<std::uint8_t>(node);
+      colors.branch[i] = static_cast<std::int32_t>(node);
     }
     return;
   }
@@ -313,7 +322,7 @@ void ColorCurve::at(const double* values, std::size_t count, Colors& colors) con
   switch (space_)
   {
     case Space::Rgb:
-      std::fill_n(colors.branch, count, std::uint8_t(0));
+      std::fill_n(colors.branch, count, std::int32_t(0));
       break;
     case Space::Hsv:
     case Space::WrappedHsv:
@@ -337,6 +346,28 @@ void ColorCurve::at(const double* values, std::size_t count, Colors& colors) con
       }
     }
   }
+}
+
+#ifdef __x86_64__
+/// Without fused products: the same bits everywhere.
+[[gnu::target("avx2")]] void ColorCurve::computeWithAvx2(
+  const double* values, std::size_t count, Colors& colors) const
+{
+  compute(values, count, colors);
+}
+#endif
+
+void ColorCurve::at(const double* values, std::size_t count, Colors& colors) const
+{
+#ifdef __x86_64__
+  static const bool hasAvx2 = __builtin_cpu_supports("avx2");
+  if (hasAvx2)
+  {
+    computeWithAvx2(values, count, colors);
+    return;
+  }
+#endif
+  compute(values, count, colors);
 }
 
 std::array<double, 3> ColorCurve::at(double value) const

@@ -25,9 +25,16 @@ public:
     Diverging
   };
 
-  ColorCurve() = default;
-  /// Values from a to b; isLogarithmic: of positive ones.
-  ColorCurve(Space space, bool isLogarithmic, const ColorNode& a, const ColorNode& b);
+  /// What makes a curve: values from a to b; isLogarithmic: of positive ones.
+  struct Ends
+  {
+    Space space;
+    bool isLogarithmic;
+    ColorNode a;
+    ColorNode b;
+  };
+
+  explicit ColorCurve(const Ends& ends);
 
   /// Values at once at most.
   static constexpr std::size_t most = 64;
@@ -36,7 +43,7 @@ public:
   {
     float channel[3][most];
     /// Where these differ, the curve may have a corner in between.
-    std::uint8_t branch[most];
+    std::int32_t branch[most];
   };
   /// values: count of them, from a's to b's. Not for NaN.
   void at(const double* values, std::size_t count, Colors& colors) const;
@@ -48,6 +55,8 @@ public:
 
 private:
   void findParts(const double* values, std::size_t count, float* parts) const;
+  void compute(const double* values, std::size_t count, Colors& colors) const;
+  void computeWithAvx2(const double* values, std::size_t count, Colors& colors) const;
 
   Space space_ = Space::Rgb;
   bool isLogarithmic_ = false;

@@ -4,6 +4,8 @@
 
 #include "Field/Emission.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -41,20 +43,30 @@ struct Span
   }
 };
 
-/// -log(1 - opacity), to single precision.
-float extinctionOf(double opacity)
+/// Of three channels, whatever the sign.
+float largestOf(Four color)
 {
-  const double clear = 1. - opacity;
+  return std::max({ std::abs(color[0]), std::abs(color[1]), std::abs(color[2]) });
+}
+
+/// -log(clear) of (0, 1], to single precision. Without branches and signed shifts, that loops of it are vectorised.
+float extinctionOf(double clear)
+{
   // A mantissa around 1 and the power of two, then the series of the area tangent.
-  constexpr std::int64_t root = 0x3fe6a09e667f3bcd;
+  constexpr std::uint64_t root = 0x3fe6a09e667f3bcd;
   constexpr int mantissa = 52;
-  const auto bits = std::bit_cast<std::int64_t>(clear);
-  const std::int64_t power = (bits - root) >> mantissa;
-  const auto around1 = std::bit_cast<double>(bits - power * (std::int64_t(1) << mantissa));
+  constexpr std::uint64_t shift = 2048; // that powers are positive
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(clear) + (shift << mantissa) - root;
+  const std::uint64_t power = bits >> mantissa;
+  const auto around1 = std::bit_cast<double>((bits & ((std::uint64_t(1) << mantissa) - 1)) + root);
+  // An integer as a double's last bits.
+  constexpr double whole = 0x1p52;
+  const double exponent =
+    std::bit_cast<double>(power | std::bit_cast<std::uint64_t>(whole)) - (whole + static_cast<double>(shift));
   const double z = (1. - around1) / (1. + around1);
   const double square = z * z;
   const double ofMantissa = 2. * z * (1. + square * (1. / 3. + square * (1. / 5. + square * (1. / 7.))));
-  return static_cast<float>(ofMantissa - static_cast<double>(power) * 0.6931471805599453);
+  return static_cast<float>(ofMantissa - exponent * 0.6931471805599453);
 }
 
 } // namespace
@@ -77,11 +89,16 @@ bool LinePieces::canFollow(const ColorCurve& curve, const ColorPart& part)
   return part.end - part.begin > fewest * spacing;
 }
 
-const std::vector<LinePiece>& LinePieces::follow(const ColorCurve& curve, const ColorPart& part)
+const std::vector<LinePiece>& LinePieces::follow(const ColorPart& part)
 {
+  const ColorCurve curve(part.curve);
+  pieces_.clear();
+  if (!canFollow(curve, part))
+  {
+    return pieces_;
+  }
   unitDistance_ = part.unitDistance;
   sample(curve, part);
-  pieces_.clear();
   const auto valueAt = [&](const Sample& sample) {
     return static_cast<float>(part.begin + sample.place * (part.end - part.begin));
   };
@@ -165,14 +182,24 @@ void LinePieces::addSamples(const ColorCurve& curve, const ColorPart& part)
   std::size_t to = from + wanted_.size();
   samples_.resize(to);
   const double width = part.end - part.begin;
+  const double opacityChange = part.opacityAtEnd - part.opacityAtBegin;
   for (std::size_t left = wanted_.size(); left > 0;)
   {
     const std::size_t count = std::min(ColorCurve::most, left);
     left -= count;
     double values[ColorCurve::most];
+    float extinctions[ColorCurve::most];
+    float errors[ColorCurve::most];
     for (std::size_t k = 0; k < count; ++k)
     {
-      values[k] = part.offset + (part.begin + wanted_[left + k] * width);
+      const double place = wanted_[left + k];
+      values[k] = part.offset + (part.begin + place * width);
+      const double clear = 1. - (part.opacityAtBegin + place * opacityChange);
+      extinctions[k] = extinctionOf(clear);
+      // The more opaque, the less it is seen: in a quarter of the unit distance as much.
+      const float ofItself =
+        std::min(extinctionPart_ / std::sqrt(std::sqrt(static_cast<float>(clear))), 0.25f);
+      errors[k] = std::max(ofItself * extinctions[k], nothing);
     }
     ColorCurve::Colors colors;
     curve.at(values, count, colors);
@@ -183,22 +210,17 @@ void LinePieces::addSamples(const ColorCurve& curve, const ColorPart& part)
       {
         samples_[--to] = samples_[--from];
       }
-      const double opacity = part.opacityAtBegin + place * (part.opacityAtEnd - part.opacityAtBegin);
-      const float extinction = extinctionOf(opacity);
-      // The more opaque, the less it is seen: in a quarter of the unit distance as much.
-      const float ofItself =
-        std::min(extinctionPart_ / std::sqrt(std::sqrt(static_cast<float>(1. - opacity))), 0.25f);
       samples_[--to] = { { colors.channel[0][k], colors.channel[1][k], colors.channel[2][k], 0.f }, place,
-        extinction, std::max(ofItself * extinction, nothing), colors.branch[k] };
+        extinctions[k], errors[k], colors.branch[k] };
     }
   }
 }
 
-/// Wants samples in the middle of gaps beside samples that are off the line of their neighbours.
+/// Wants samples in gaps beside samples that are off the line of their neighbours.
 bool LinePieces::divideGaps()
 {
   wanted_.clear();
-  bool wasWanted = false; // in the gap before
+  float ofAfter = 0.f; // the error in the gap after the sample before
   for (std::size_t i = 1; i + 1 < samples_.size(); ++i)
   {
     const Sample& low = samples_[i - 1];
@@ -206,26 +228,43 @@ bool LinePieces::divideGaps()
     const Sample& high = samples_[i + 1];
     const float before = middle.place - low.place;
     const float after = high.place - middle.place;
-    const float part = before / (before + after);
-    float error = 0.f;
-    for (int c = 0; c < 3; ++c)
-    {
-      error =
-        std::max(error, std::abs(low.color[c] + part * (high.color[c] - low.color[c]) - middle.color[c]));
-    }
-    error = low.branch == middle.branch && middle.branch == high.branch ? error : 0.f;
+    const Four color = std::bit_cast<Four>(low.color);
+    const Four off = color + before / (before + after) * (std::bit_cast<Four>(high.color) - color) -
+      std::bit_cast<Four>(middle.color);
+    const bool isOneBranch = low.branch == middle.branch && middle.branch == high.branch;
+    const float error = isOneBranch ? largestOf(off) : 0.f;
     // What bends alike is off in a gap as the gap's width squared.
-    if (error * before > betweenNeighbours * after && !wasWanted)
+    const float ofGap = std::max(ofAfter, error * before / after);
+    ofAfter = error * after / before;
+    if (ofGap > betweenNeighbours)
     {
-      wanted_.push_back(0.5f * (low.place + middle.place));
-    }
-    wasWanted = error * after > betweenNeighbours * before;
-    if (wasWanted)
-    {
-      wanted_.push_back(0.5f * (middle.place + high.place));
+      divideGap(i - 1, ofGap);
     }
   }
+  if (ofAfter > betweenNeighbours)
+  {
+    divideGap(samples_.size() - 2, ofAfter);
+  }
   return !wanted_.empty();
+}
+
+/// Into so many parts that each errs by no more than a line between neighbours may.
+void LinePieces::divideGap(std::size_t gap, float error)
+{
+  constexpr int most = 8;
+  constexpr float narrowest = 1.f / 8192.f;
+  const float begin = samples_[gap].place;
+  const float width = samples_[gap + 1].place - begin;
+  int parts = 1;
+  for (; error > betweenNeighbours && parts < most && width > narrowest * static_cast<float>(parts);
+       error *= 0.25f)
+  {
+    parts *= 2;
+  }
+  for (int i = 1; i < parts; ++i)
+  {
+    wanted_.push_back(begin + width * (static_cast<float>(i) / static_cast<float>(parts)));
+  }
 }
 
 /// Adds samples on both sides of corners, close to them; whether there are some.
@@ -289,11 +328,11 @@ void LinePieces::narrowDown(
   }
   ColorCurve::Colors colors;
   curve.at(values, count, colors);
-  const std::uint8_t* branch = colors.branch;
+  const std::int32_t* branch = colors.branch;
   for (Corner& corner : corners)
   {
     const auto* const end = branch + parts - 1;
-    const auto* const other = std::find_if(branch, end, [&](std::uint8_t of) { return of != corner.branch; });
+    const auto* const other = std::find_if(branch, end, [&](std::int32_t of) { return of != corner.branch; });
     corner.width /= static_cast<float>(parts);
     corner.place += corner.width * static_cast<float>(other - branch);
     branch = end;
@@ -310,32 +349,26 @@ LinePieces::Sample LinePieces::at(std::size_t step) const
   }
   const Sample& high = samples_[step / steps + 1];
   const float part = static_cast<float>(step % steps) / steps;
+  const Four color = std::bit_cast<Four>(low.color);
   Sample result = low;
-  for (int c = 0; c < 4; ++c)
-  {
-    result.color[c] += part * (high.color[c] - low.color[c]);
-  }
+  result.color =
+    std::bit_cast<std::array<float, 4>>(color + part * (std::bit_cast<Four>(high.color) - color));
   result.place += part * (high.place - low.place);
   result.extinction += part * (high.extinction - low.extinction);
   return result;
 }
 
-LinePieces::Fit LinePieces::fit(std::size_t first, std::size_t last) const
+/// a: the sample at the first step.
+LinePieces::Fit LinePieces::fit(const Sample& a, std::size_t first, std::size_t last) const
 {
-  const Sample a = at(first);
   const Sample b = at(last);
-  Fit result{ false, {} };
   const Four color = std::bit_cast<Four>(a.color);
   const Four change = std::bit_cast<Four>(b.color) - color;
-  Four ofTable{};
-  for (int c = 0; c < 3; ++c)
+  const Four ofTable = shiftOfProducts(1.f, a.extinction, b.extinction) * change;
+  const float mostOfTable = largestOf(ofTable);
+  if (!(mostOfTable <= tolerance))
   {
-    const float ofChannel = change[c];
-    ofTable[c] = shiftOfProducts(ofChannel, a.extinction, b.extinction);
-    if (!(std::abs(ofTable[c]) <= tolerance))
-    {
-      return result;
-    }
+    return { false, mostOfTable / tolerance, {} };
   }
   // How far colours and what products of lines show are off.
   Span lines;
@@ -354,7 +387,7 @@ LinePieces::Fit LinePieces::fit(std::size_t first, std::size_t last) const
     const float extinction = a.extinction + along * slope;
     if (!(std::abs(extinction - sample.extinction) <= sample.error))
     {
-      return result;
+      return { false, std::numeric_limits<float>::infinity(), {} };
     }
     const float shown = along * b.extinction / std::max(extinction, std::numeric_limits<float>::min());
     const Four toCurve = color - std::bit_cast<Four>(sample.color);
@@ -373,45 +406,91 @@ LinePieces::Fit LinePieces::fit(std::size_t first, std::size_t last) const
     before = along;
     lineBefore = line;
   }
-  result.isClose = true;
+  Four moved{};
   for (int c = 0; c < 3; ++c)
   {
-    const float moved = shiftInTables(float(ofTable[c]));
-    const float from = -tolerance - std::min(lines.least[c], products.least[c] + moved);
-    const float to = tolerance - std::max(lines.most[c], products.most[c] + moved);
-    result.isClose = result.isClose && from <= to;
-    result.shift[c] = 0.5f * (from + to);
+    moved[c] = shiftInTables(float(ofTable[c]));
   }
-  return result;
+  lines.add(products.least + moved);
+  lines.add(products.most + moved);
+  const float ofAllowed = largestOf(lines.most - lines.least) / (2.f * tolerance);
+  return { ofAllowed <= 1.f, ofAllowed,
+    std::bit_cast<std::array<float, 4>>(-0.5f * (lines.least + lines.most)) };
 }
 
 std::size_t LinePieces::longest(std::size_t first, std::size_t expected, Fit& fitted) const
 {
+  const std::size_t end = steps * (samples_.size() - 1);
+  const Sample a = at(first);
   std::size_t close = (first / steps + 1) * steps; // nothing is up to the next sample
-  std::size_t far = steps * (samples_.size() - 1) + 1;
-  fitted = fit(first, close);
-  std::size_t next = std::max(expected, close + 1);
+  std::size_t far = end + 1;
+  bool isFitted = false;
+  std::size_t next = expected;
   std::size_t step = steps / 2;
-  while (close + 1 < far)
+  constexpr int guesses = 4;
+  constexpr float enough = 0.5f; // of a step, to go without a try
+  for (int tries = 1; close + 1 < far; ++tries)
   {
     next = std::clamp(next, close + 1, far - 1);
-    const Fit tried = fit(first, next);
-    const bool wasOpen = far > steps * (samples_.size() - 1);
+    const Fit tried = fit(a, first, next);
     if (tried.isClose)
     {
       fitted = tried;
+      isFitted = true;
       close = next;
     }
     else
     {
       far = next;
     }
-    // Beside what was expected, farther and farther, until it lies in between.
-    const bool isOpen = far > steps * (samples_.size() - 1);
-    next = isOpen ? close + step : (close + far) / 2;
-    step = isOpen && wasOpen ? 2 * step : step;
+    constexpr float most = 16.f;
+    if (tries <= guesses && tried.ofAllowed < most)
+    {
+      // Colours are off as lengths squared.
+      const auto length = static_cast<float>(next - first);
+      const float allowed = length / std::sqrt(std::max(tried.ofAllowed, 1.f / most));
+      if (tried.isClose && allowed < length + enough)
+      {
+        break;
+      }
+      next = first + static_cast<std::size_t>(allowed);
+    }
+    else if (far > end)
+    {
+      next = close + step;
+      step *= 2;
+    }
+    else
+    {
+      next = (close + far) / 2;
+    }
+  }
+  if (!isFitted)
+  {
+    fitted = fit(a, first, close);
   }
   return close;
+}
+
+FollowedParts::FollowedParts(const std::vector<ColorPart>& parts, double extinctionPart)
+  : parts_(parts.size())
+  , blocks_((parts.size() + partsOfBlock - 1) / partsOfBlock)
+{
+  tbb::parallel_for(std::size_t(0), blocks_.size(), [&](std::size_t block) {
+    LinePieces linePieces(extinctionPart);
+    const std::size_t end = std::min((block + 1) * partsOfBlock, parts.size());
+    for (std::size_t i = block * partsOfBlock; i < end; ++i)
+    {
+      const std::vector<LinePiece>& pieces = linePieces.follow(parts[i]);
+      Part& part = parts_[i];
+      part.begin = part.end = blocks_[block].size();
+      if (!pieces.empty())
+      {
+        blocks_[block].insert(blocks_[block].end(), pieces.begin(), pieces.end());
+        part = { part.begin, blocks_[block].size(), linePieces.first(), linePieces.last() };
+      }
+    }
+  });
 }
 
 } // namespace treeamr

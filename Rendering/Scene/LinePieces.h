@@ -25,6 +25,7 @@ struct LinePiece
 /// A part of a curve and the line of opacities over it. Values: less the offset, which the curve's are not.
 struct ColorPart
 {
+  ColorCurve::Ends curve;
   double begin;
   double end;
   double opacityAtBegin; // 0 to 1
@@ -42,16 +43,17 @@ public:
   {
   }
 
-  /// Whether single precision and samples tell all of a part.
-  static bool canFollow(const ColorCurve& curve, const ColorPart& part);
-  /// Pieces that follow it to colorsOfMany of a channel: colours, and what one line a piece shows of them in a table of
-  /// many nodes. They begin and end at floats; colours may jump a little from one to the next, extinctions do not.
-  const std::vector<LinePiece>& follow(const ColorCurve& curve, const ColorPart& part);
+  /// Pieces that follow a part to colorsOfMany of a channel: colours, and what one line a piece shows of them in a table
+  /// of many nodes. They begin and end at floats; colours may jump a little from one to the next, extinctions do not.
+  /// None where single precision and samples do not tell all of it.
+  const std::vector<LinePiece>& follow(const ColorPart& part);
   /// Of the part followed last, where it begins and ends.
   TransferFunction::Entry first() const { return entryOf(samples_.front()); }
   TransferFunction::Entry last() const { return entryOf(samples_.back()); }
 
 private:
+  static bool canFollow(const ColorCurve& curve, const ColorPart& part);
+
   struct Sample
   {
     /// The fourth is none: vectors have four.
@@ -59,19 +61,22 @@ private:
     float place;      // 0 to 1 in the part
     float extinction; // over the unit distance
     float error;      // that this may have
-    std::uint32_t branch;
+    std::int32_t branch;
   };
   /// A gap in which the branch changes.
   struct Corner
   {
     float place;
     float width;
-    std::uint32_t branch;
+    std::int32_t branch;
   };
-  /// What a piece may be moved by, so that it errs to either side alike.
+  /// A line from sample to sample.
   struct Fit
   {
     bool isClose;
+    /// How far its colours are off to either side, of what they may be; infinite where its extinctions are too far off.
+    float ofAllowed;
+    /// What it may be moved by, so that it errs to either side alike.
     std::array<float, 4> shift;
   };
 
@@ -82,8 +87,9 @@ private:
   static void narrowDown(
     const ColorCurve& curve, const ColorPart& part, std::span<Corner> corners, std::size_t parts);
   bool divideGaps();
+  void divideGap(std::size_t gap, float error);
   Sample at(std::size_t step) const;
-  Fit fit(std::size_t first, std::size_t last) const;
+  Fit fit(const Sample& a, std::size_t first, std::size_t last) const;
   std::size_t longest(std::size_t first, std::size_t expected, Fit& fitted) const;
   TransferFunction::Entry entryOf(const Sample& sample, const std::array<float, 4>& shift = {}) const;
 
@@ -93,6 +99,34 @@ private:
   std::vector<Corner> corners_;
   std::vector<float> wanted_; // places of more samples, in order
   std::vector<LinePiece> pieces_;
+};
+
+/// The pieces of many parts, in their order.
+class FollowedParts
+{
+public:
+  FollowedParts() = default;
+  /// In parallel.
+  FollowedParts(const std::vector<ColorPart>& parts, double extinctionPart);
+
+  struct Part
+  {
+    std::size_t begin = 0; // of its pieces among those of its block
+    std::size_t end = 0;
+    TransferFunction::Entry first{}; // where the part begins
+    TransferFunction::Entry last{};
+  };
+  const Part& operator[](std::size_t i) const { return parts_[i]; }
+  std::span<const LinePiece> piecesOf(std::size_t i) const
+  {
+    return std::span(blocks_[i / partsOfBlock]).subspan(parts_[i].begin, parts_[i].end - parts_[i].begin);
+  }
+
+private:
+  static constexpr std::size_t partsOfBlock = 32;
+
+  std::vector<Part> parts_;
+  std::vector<std::vector<LinePiece>> blocks_;
 };
 
 } // namespace treeamr

@@ -109,6 +109,7 @@ void ColorSegments::choose(std::size_t i)
   isInside_ = i > 0 && i < nodes_.size();
   isLine_ = !isInside_ || !table_.empty() ||
     (!isLogarithmic_ && space_ == ColorCurve::Space::Rgb && isStraight(&nodes_[i - 1][4]));
+  ends_.reset();
   curve_.reset();
   if (isLine_)
   {
@@ -116,7 +117,7 @@ void ColorSegments::choose(std::size_t i)
   }
   if (space_)
   {
-    curve_.emplace(*space_, isLogarithmic_, nodes_[i - 1], nodes_[i]);
+    ends_ = { *space_, isLogarithmic_, nodes_[i - 1], nodes_[i] };
     return;
   }
   segment_->RemoveAllPoints();
@@ -138,8 +139,12 @@ ColorSegments::Color ColorSegments::at(double value) const
   {
     return inTable(value);
   }
-  if (curve_)
+  if (ends_)
   {
+    if (!curve_)
+    {
+      curve_.emplace(*ends_);
+    }
     return curve_->at(value);
   }
   Color color;

@@ -58,8 +58,8 @@ public:
   void choose(std::size_t i);
   bool isLine() const { return isLine_; }
   bool haveCurves() const { return space_ && (isLogarithmic_ || space_ != ColorCurve::Space::Rgb); }
-  /// Of the values chosen, if they have one.
-  const ColorCurve* curve() const { return curve_ ? &*curve_ : nullptr; }
+  /// Of the curve of the values chosen, if they have one.
+  const ColorCurve::Ends* curveEnds() const { return ends_ ? &*ends_ : nullptr; }
   std::size_t countInTable() const { return table_.size(); }
   /// The value of a table's entry.
   double tableValue(std::size_t i) const;
@@ -72,7 +72,8 @@ private:
   vtkColorTransferFunction* function_;
   std::vector<ColorNode> nodes_;
   std::optional<ColorCurve::Space> space_; // none of what only VTK evaluates
-  std::optional<ColorCurve> curve_;
+  std::optional<ColorCurve::Ends> ends_;
+  mutable std::optional<ColorCurve> curve_; // once it is asked for
   vtkNew<vtkColorTransferFunction> segment_;
   std::size_t next_ = 0;
   bool isInside_ = false;
@@ -109,9 +110,11 @@ public:
   bool areColorsLines() const { return grays_ ? grays_->isLine() : colors_->isLine(); }
   /// Whether colours are curves anywhere.
   bool haveCurves() const { return colors_ && colors_->haveCurves(); }
-  const ColorCurve* colorCurve() const { return colors_ ? colors_->curve() : nullptr; }
+  const ColorCurve::Ends* curveEnds() const { return colors_ ? colors_->curveEnds() : nullptr; }
   /// So that extinctions bend as those of a line do.
   bool areOpacitiesLines() const { return opacities_.isLine(); }
+  /// Whether colours are a curve and opacities a line.
+  bool isCurveOverLine() const { return curveEnds() && areOpacitiesLines(); }
   double unitDistance() const { return unitDistance_; }
   double offset() const { return offset_; }
   /// By which values must differ for the functions to tell them apart.

@@ -28,6 +28,8 @@ namespace
 using Entry = TransferFunction::Entry;
 using Node = TransferFunction::Node;
 
+constexpr std::size_t manySegments = 128;
+
 void checkUnitDistance(vtkVolumeProperty* property, int component)
 {
   const double unitDistance = property->GetScalarOpacityUnitDistance(component);
@@ -38,41 +40,67 @@ void checkUnitDistance(vtkVolumeProperty* property, int component)
   }
 }
 
+/// Between which floats the functions are what they come to at a and b from inside.
+std::pair<double, double> insideOf(const PropertyFunctions& functions, double a, double b)
+{
+  constexpr double beside = 1e-12;
+  constexpr double rounding = 4. * std::numeric_limits<double>::epsilon();
+  const auto inset = [&](double end) {
+    const double size = std::abs(end);
+    const double least = beside * (size == 0. ? b - a : std::min(b - a, size));
+    return std::min(std::max({ functions.rounding(), rounding * size, least }), 0.25 * (b - a));
+  };
+  return { a + inset(a), b - inset(b) };
+}
+
+/// Calls use(a, b) for the segments of a range between values.
+template <class Use>
+void forEachSegment(Range dataRange, const std::vector<double>& values, const Use& use)
+{
+  double at = dataRange.min;
+  for (const double value : values)
+  {
+    if (value > at && value < dataRange.max)
+    {
+      use(at, value);
+      at = value;
+    }
+  }
+  if (at < dataRange.max)
+  {
+    use(at, dataRange.max);
+  }
+}
+
+/// By how much of itself a faint extinction may err. What many segments err by is not seen as one colour.
+double extinctionPartOf(std::size_t segments)
+{
+  return segments < manySegments ? 1. / 2048. : 1. / 288.;
+}
+
 /// Nodes of the functions between values, close enough for lines.
 class NodeList
 {
 public:
-  /// isOfMany: whether they are for a table of manyNodes.
-  NodeList(PropertyFunctions& functions, std::size_t segments, bool isOfMany)
+  /// followed: the segments that are curves of colours over lines of opacities, for a table of manyNodes; null for others.
+  NodeList(PropertyFunctions& functions, std::size_t segments, const FollowedParts* followed)
     : functions_(functions)
-    // What many segments err by is not seen as one colour.
-    , part_(segments < manySegments ? 1. / 2048. : 1. / 288.)
-    , isOfMany_(isOfMany)
-    , linePieces_(part_)
+    , part_(extinctionPartOf(segments))
+    , followed_(followed)
   {
     constexpr std::size_t most = 16; // of nodes a segment
-    nodes_.reserve(isOfMany ? most * segments : 0);
+    nodes_.reserve(followed ? most * segments : 0);
   }
-  static constexpr std::size_t manySegments = 128;
 
   /// The function's part from a to b.
   void addSegment(double a, double b)
   {
     functions_.choose(b);
-    // What it comes to there, on this side.
-    constexpr double beside = 1e-12;
-    constexpr double rounding = 4. * std::numeric_limits<double>::epsilon();
-    const auto inset = [&](double end) {
-      const double size = std::abs(end);
-      const double least = beside * (size == 0. ? b - a : std::min(b - a, size));
-      return std::min(std::max({ functions_.rounding(), rounding * size, least }), 0.25 * (b - a));
-    };
-    const double from = a + inset(a);
-    const double to = b - inset(b);
-    if (isOfMany_ && addPieces(a, from, b, to))
+    if (followed_ && functions_.isCurveOverLine() && addPieces(a, b))
     {
       return;
     }
+    const auto [from, to] = insideOf(functions_, a, b);
     Sample first = functions_.at(from);
     first.value = a;
     Sample last = functions_.at(to);
@@ -113,28 +141,17 @@ public:
 private:
   using Sample = PropertyFunctions::Sample;
 
-  /// Adds the part from a to b, which is what it is between these values, if it is a curve of colours over a line of
-  /// opacities.
-  bool addPieces(double a, double from, double b, double to)
+  /// Adds the next part of those that were followed, from a to b, if it has pieces.
+  bool addPieces(double a, double b)
   {
-    const ColorCurve* const curve = functions_.colorCurve();
-    if (!curve || !functions_.areOpacitiesLines())
-    {
-      return false;
-    }
-    const double opacityAtEnd = functions_.opacityAt(b);
-    const ColorPart part{ a, b, functions_.opacityAt(from), functions_.opacityAt(to), functions_.offset(),
-      functions_.unitDistance() };
-    if (!LinePieces::canFollow(*curve, part))
-    {
-      return false;
-    }
+    const std::size_t i = nextFollowed_++;
+    const FollowedParts::Part& part = (*followed_)[i];
     bool isFirst = true;
-    for (const LinePiece& piece : linePieces_.follow(*curve, part))
+    for (const LinePiece& piece : followed_->piecesOf(i))
     {
       if (isFirst)
       {
-        begin(a, linePieces_.first(), piece.atBegin);
+        begin(a, part.first, piece.atBegin);
       }
       else
       {
@@ -143,8 +160,13 @@ private:
       isFirst = false;
       shownEnd_ = piece.atEnd;
     }
-    end_ = atEnd_ = linePieces_.last();
-    atEnd_.extinction = TransferFunction::extinctionFromOpacity(opacityAtEnd, functions_.unitDistance());
+    if (isFirst)
+    {
+      return false;
+    }
+    end_ = atEnd_ = part.last;
+    atEnd_.extinction =
+      TransferFunction::extinctionFromOpacity(functions_.opacityAt(b), functions_.unitDistance());
     return true;
   }
 
@@ -302,35 +324,40 @@ private:
 
   PropertyFunctions& functions_;
   double part_;
-  bool isOfMany_;
-  LinePieces linePieces_;
+  const FollowedParts* followed_;
+  std::size_t nextFollowed_ = 0;
   std::vector<Node> nodes_;
   Entry end_{};                   // what the segment before came to
   Entry atEnd_{};                 // what it is there
   std::optional<Entry> shownEnd_; // what its last piece came to
 };
 
-/// values: between which the functions are smooth.
-std::vector<Node> makeNodes(
-  PropertyFunctions& functions, Range dataRange, const std::vector<double>& values, bool isOfMany)
+FollowedParts follow(PropertyFunctions& functions, Range dataRange, const std::vector<double>& values)
 {
-  NodeList nodes(functions, values.size(), isOfMany);
-  double at = dataRange.min;
+  std::vector<ColorPart> parts;
+  parts.reserve(values.size() + 1);
   functions.restart();
-  functions.choose(at);
-  nodes.beginWith(functions.at(at).entry);
-  for (const double value : values)
-  {
-    if (value > at && value < dataRange.max)
+  forEachSegment(dataRange, values, [&](double a, double b) {
+    functions.choose(b);
+    if (functions.isCurveOverLine())
     {
-      nodes.addSegment(at, value);
-      at = value;
+      const auto [from, to] = insideOf(functions, a, b);
+      parts.push_back({ *functions.curveEnds(), a, b, functions.opacityAt(from), functions.opacityAt(to),
+        functions.offset(), functions.unitDistance() });
     }
-  }
-  if (at < dataRange.max)
-  {
-    nodes.addSegment(at, dataRange.max);
-  }
+  });
+  return { parts, extinctionPartOf(values.size()) };
+}
+
+/// values: between which the functions are smooth.
+std::vector<Node> makeNodes(PropertyFunctions& functions, Range dataRange, const std::vector<double>& values,
+  const FollowedParts* followed)
+{
+  NodeList nodes(functions, values.size(), followed);
+  functions.restart();
+  functions.choose(dataRange.min);
+  nodes.beginWith(functions.at(dataRange.min).entry);
+  forEachSegment(dataRange, values, [&](double a, double b) { nodes.addSegment(a, b); });
   return nodes.endAt(dataRange.max);
 }
 
@@ -342,15 +369,16 @@ TransferFunction convertTransferFunction(
   checkUnitDistance(property, component);
   PropertyFunctions functions(property, dataRange, offset, component);
   const std::vector<double> values = functions.values();
-  if (values.size() >= NodeList::manySegments && functions.haveCurves())
+  if (values.size() >= manySegments && functions.haveCurves())
   {
-    std::vector<Node> nodes = makeNodes(functions, dataRange, values, true);
+    const FollowedParts followed = follow(functions, dataRange, values);
+    std::vector<Node> nodes = makeNodes(functions, dataRange, values, &followed);
     if (nodes.size() >= manyNodes)
     {
       return TransferFunction::ofNodes(std::move(nodes));
     }
   }
-  return TransferFunction::ofNodes(makeNodes(functions, dataRange, values, false));
+  return TransferFunction::ofNodes(makeNodes(functions, dataRange, values, nullptr));
 }
 
 bool hasCategories(vtkVolumeProperty* property)

@@ -92,7 +92,7 @@ double worstOfCurve(
   {
     function->AddRGBPoint(node[0], node[1], node[2], node[3], node[4], node[5]);
   }
-  const ColorCurve curve(space.space, isLogarithmic, a, b);
+  const ColorCurve curve({ space.space, isLogarithmic, a, b });
   std::array<double, ColorCurve::most> values;
   std::generate(values.begin(), values.end(), [&] { return a[0] + (1. - random()) * (b[0] - a[0]); });
   values.front() = a[0] * (1. + 1e-12); // VTK has the nodes' own colours at nodes
