@@ -370,41 +370,47 @@ LinePieces::Fit LinePieces::fit(const Sample& a, std::size_t first, std::size_t 
   {
     return { false, mostOfTable / tolerance, {} };
   }
-  // How far colours and what products of lines show are off.
+  // How far colours and what products of lines show are off. Without branches: each goes another way.
   Span lines;
   Span products;
   const float perWidth = 1.f / (b.place - a.place);
   const float slope = b.extinction - a.extinction;
+  const auto alongTo = [&](const Sample& sample) { return (sample.place - a.place) * perWidth; };
+  const auto offAt = [&](const Sample& sample) {
+    return color + alongTo(sample) * change - std::bit_cast<Four>(sample.color);
+  };
   const float root = std::sqrt(a.extinction);
   const float peak = slope == 0.f ? 0.5f : root / (root + std::sqrt(b.extinction)); // of what products show
-  float before = 0.f;
-  Four lineBefore{};
-  for (std::size_t i = first / steps + 1;; ++i)
+  const Sample* const begin = &samples_[first / steps + 1];
+  const Sample* const end = &samples_[(last + steps - 1) / steps];
+  const Sample* afterPeak = begin;
+  bool areExtinctionsClose = true;
+  for (const Sample* sample = begin; sample < end; ++sample)
   {
-    const bool isInside = i * steps < last;
-    const Sample& sample = isInside ? samples_[i] : b;
-    const float along = isInside ? (sample.place - a.place) * perWidth : 1.f;
+    const float along = alongTo(*sample);
+    afterPeak += along < peak ? 1 : 0;
     const float extinction = a.extinction + along * slope;
-    if (!(std::abs(extinction - sample.extinction) <= sample.error))
-    {
-      return { false, std::numeric_limits<float>::infinity(), {} };
-    }
+    areExtinctionsClose &= std::abs(extinction - sample->extinction) <= sample->error;
     const float shown = along * b.extinction / std::max(extinction, std::numeric_limits<float>::min());
-    const Four toCurve = color - std::bit_cast<Four>(sample.color);
-    const Four line = toCurve + along * change;
-    lines.add(line);
+    const Four toCurve = color - std::bit_cast<Four>(sample->color);
+    lines.add(toCurve + along * change);
     products.add(toCurve + shown * change);
-    if (before < peak && peak <= along)
-    {
-      const float toPeak = (peak - before) / (along - before);
-      products.add(lineBefore + toPeak * (line - lineBefore) - 2.f * ofTable);
-    }
-    if (!isInside)
-    {
-      break;
-    }
-    before = along;
-    lineBefore = line;
+  }
+  if (!areExtinctionsClose)
+  {
+    return { false, std::numeric_limits<float>::infinity(), {} };
+  }
+  // Of the lines themselves nothing is off at both ends.
+  const bool isLast = afterPeak >= end;
+  const bool isFirst = afterPeak <= begin;
+  const float before = isFirst ? 0.f : alongTo(afterPeak[-1]);
+  const float after = isLast ? 1.f : alongTo(*afterPeak);
+  const Four offBefore = isFirst ? Four{} : offAt(afterPeak[-1]);
+  const Four offAfter = isLast ? Four{} : offAt(*afterPeak);
+  if (peak > 0.f)
+  {
+    const float toPeak = (peak - before) / (after - before);
+    products.add(offBefore + toPeak * (offAfter - offBefore) - 2.f * ofTable);
   }
   Four moved{};
   for (int c = 0; c < 3; ++c)

@@ -85,6 +85,44 @@ TEST(ExtremeCases, VolumeOfValuesFrom1em40To1e38)
   expectAtMost(largest, halfAStep, "of a channel");
 }
 
+// Beside a value of 1e30, in the view of any decade below it.
+TEST(ExtremeCases, VolumeOfSixtyDecades)
+{
+  std::vector<TransferFunction::Node> nodes;
+  for (int i = 0; i <= 1800; ++i)
+  {
+    const double decade = -30. + i / 30.;
+    const auto wave = [&](double perDecade) {
+      return static_cast<float>(0.5 + 0.4 * std::sin(perDecade * decade));
+    };
+    const TransferFunction::Entry entry{ wave(2.1), wave(1.3), wave(0.7), wave(1.9) };
+    nodes.push_back({ std::pow(10., decade), entry, entry });
+  }
+  const auto function = TransferFunction::ofNodes(std::move(nodes));
+  const Vec3 middle{ 0.3, 0.5, 0.5 };
+  const Camera camera(
+    multiply(parallel(0.12, 1., 20.), lookAt({ middle[0], middle[1], 5. }, middle)), identityMatrix, 16, 8);
+  double largest = 0.;
+  for (const int decade : { -30, -29, -28, -27, -26, -20, -10, 0, 10, 20, 28 })
+  {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> decades(decade + 0.05, decade + 1.25);
+    std::vector<LeafCell> cells;
+    for (int x = 0; x < 8; ++x)
+    {
+      for (int yz = 0; yz < 4; ++yz)
+      {
+        const double value = x == 7 ? 1e30 : std::pow(10., decades(random));
+        cells.push_back({ { { x, yz & 1, yz >> 1 }, 0 }, static_cast<float>(value) });
+      }
+    }
+    ExactScene scene({ 8, 2, 2 }, cells);
+    largest = std::max(largest, scene.volumeError(function, camera));
+    EXPECT_GT(scene.brightest(), 0.3);
+  }
+  expectAtMost(largest, halfAStep, "of a channel");
+}
+
 TEST(ExtremeCases, SurfaceOfValuesFrom1em40To1e38)
 {
   auto cells = randomCells();

@@ -19,6 +19,8 @@ using Node = TransferFunction::Node;
 
 /// Binary orders of magnitude of places, and of extinctions when products with places must be floats.
 constexpr int largest = 60;
+/// Of places that only double lanes read: sums of the terms' integrals are floats.
+constexpr int largestInDoubles = 90;
 /// Finest steps of which the least is kept, too.
 constexpr std::size_t group = 16;
 /// Of tables of manyNodes.
@@ -62,10 +64,25 @@ std::vector<Node> nodesOf(const TransferFunction& transferFunction)
   return nodes;
 }
 
+constexpr double mostOfFloats = std::numeric_limits<float>::max() / 4.f;
+
+/// The value, of nodes or nearest to them, where places have most digits.
+double referenceOf(const std::vector<Node>& nodes)
+{
+  return std::clamp(0., nodes.front().value, nodes.back().value);
+}
+
+/// Of the node farthest from there, binary.
+int magnitudeOf(const std::vector<Node>& nodes)
+{
+  const double reference = referenceOf(nodes);
+  const double farthest = std::max(nodes.back().value - reference, reference - nodes.front().value);
+  return farthest > 0. ? std::ilogb(farthest) : 0;
+}
+
 float toFloat(double x)
 {
-  constexpr double most = std::numeric_limits<float>::max() / 4.f;
-  return static_cast<float>(std::clamp(x, -most, most));
+  return static_cast<float>(std::clamp(x, -mostOfFloats, mostOfFloats));
 }
 
 /// Calls add(part of the way, entry) for what is between two entries, until products of colour and extinction, of which
@@ -153,19 +170,52 @@ struct IntegralTable::Station
   Entry above;
 };
 
+/// Whether slopes between two are no floats: in the lowest decades of more than fifty.
+bool IntegralTable::isSteep(const Station& low, const Station& high)
+{
+  const double width = static_cast<double>(high.place) - low.place;
+  if (width >= densest / mostOfFloats)
+  {
+    return false;
+  }
+  const EmissionTerms first = termsOf(low.above);
+  const EmissionTerms last = termsOf(high.below);
+  double change = 0.;
+  for (int c = 0; c < 4; ++c)
+  {
+    change = std::max(change, std::abs(last[c] - first[c]));
+  }
+  return change > mostOfFloats * width;
+}
+
+bool IntegralTable::needsDoubles(const TransferFunction& transferFunction)
+{
+  const std::vector<Node>& nodes = transferFunction.nodes();
+  const int magnitude = nodes.empty() ? 0 : magnitudeOf(nodes);
+  if (magnitude <= largest)
+  {
+    return false;
+  }
+  const double reference = referenceOf(nodes);
+  const double least = std::ldexp(std::numeric_limits<float>::min(), magnitude - largest);
+  const double leastInDoubles = std::ldexp(least, largest - largestInDoubles); // below which neither helps
+  return std::any_of(nodes.begin(), nodes.end(), [&](const Node& node) {
+    const double distance = std::abs(node.value - reference);
+    return distance >= leastInDoubles && distance < least;
+  });
+}
+
 IntegralTable::IntegralTable(
   const TransferFunction& transferFunction, double unit, double mostExtinction, double smallestLeaf)
 {
   const std::vector<Node> nodes = nodesOf(transferFunction);
-  const double low = nodes.front().value;
-  const double high = nodes.back().value;
-  reference_ = std::clamp(0., low, high);
+  reference_ = referenceOf(nodes);
   // Places are values unless floats would leave their range: then as large as may be, so that decades fit below.
-  const double farthest = std::max(high - reference_, reference_ - low);
-  const int magnitude = farthest > 0. ? std::ilogb(farthest) : 0;
+  const int magnitude = magnitudeOf(nodes);
+  const int most = needsDoubles(transferFunction) ? largestInDoubles : largest;
   // No float is between the nodes of a steeper one, and places of all floats stay finite.
   constexpr int steepest = 800;
-  scale_ = magnitude > largest ? std::ldexp(1., largest - magnitude)
+  scale_ = magnitude > largest ? std::ldexp(1., most - magnitude)
     : magnitude < -largest     ? std::ldexp(1., std::min(-magnitude, steepest))
                                : 1.;
   unscale_ = std::ldexp(1., std::max(0, std::ilogb(mostExtinction) - largest / 2));
@@ -183,14 +233,17 @@ IntegralTable::IntegralTable(
   places_.shrink_to_fit();
 }
 
-/// Without those on lines between others, to so much of a channel to either side.
-std::vector<IntegralTable::Station> IntegralTable::thinned(
-  const std::vector<Station>& stations, double tolerance)
+/// Removes those on lines between others, to so much of a channel to either side.
+void IntegralTable::thin(std::vector<Station>& stations, double tolerance)
 {
-  std::vector<Station> kept;
+  std::size_t count = 0; // that are kept, at the vector's beginning
   EmissionTerms anchor{};
   std::array<double, 4> least{}; // slopes of lines from the last one kept that pass all since close enough
   std::array<double, 4> most{};
+  const auto keep = [&](std::size_t i) {
+    stations[count] = stations[i];
+    anchor = termsOf(stations[count++].above);
+  };
   for (std::size_t i = 0; i < stations.size(); ++i)
   {
     const Station& station = stations[i];
@@ -198,28 +251,27 @@ std::vector<IntegralTable::Station> IntegralTable::thinned(
     bool follows = i > 0;
     for (int c = 0; follows && c < 4; ++c)
     {
-      const double slope = (terms[c] - anchor[c]) / (static_cast<double>(station.place) - kept.back().place);
+      const double slope =
+        (terms[c] - anchor[c]) / (static_cast<double>(station.place) - stations[count - 1].place);
       follows = slope >= least[c] && slope <= most[c];
     }
-    if (i > 0 && !follows)
+    if (i > 0 && !follows && stations[i - 1].place > stations[count - 1].place)
     {
-      kept.push_back(stations[i - 1]);
-      anchor = termsOf(kept.back().above);
+      keep(i - 1);
     }
     if (i == 0 || i + 1 == stations.size() || !(station.below == station.above))
     {
-      kept.push_back(station);
-      anchor = termsOf(station.above);
+      keep(i);
     }
-    const bool isKept = i > 0 && kept.back().place == station.place;
-    if (i == 0 || isKept || !follows)
+    const float last = stations[count - 1].place;
+    if (last == station.place || !follows)
     {
       least.fill(-std::numeric_limits<double>::infinity());
       most.fill(std::numeric_limits<double>::infinity());
     }
-    if (kept.back().place < station.place)
+    if (last < station.place)
     {
-      const double width = static_cast<double>(station.place) - kept.back().place;
+      const double width = static_cast<double>(station.place) - last;
       const double error = tolerance * station.below.extinction;
       for (int c = 0; c < 4; ++c)
       {
@@ -228,7 +280,37 @@ std::vector<IntegralTable::Station> IntegralTable::thinned(
       }
     }
   }
-  return kept;
+  stations.resize(count);
+}
+
+/// With stairs where lines are too steep, so that what each begins with is close enough up to the next one.
+std::vector<IntegralTable::Station> IntegralTable::withStairs(const std::vector<Station>& stations)
+{
+  constexpr double perChannel = 2048.;
+  std::vector<Station> stairs;
+  for (std::size_t i = 0; i < stations.size(); ++i)
+  {
+    stairs.push_back(stations[i]);
+    if (i + 1 == stations.size() || !isSteep(stations[i], stations[i + 1]))
+    {
+      continue;
+    }
+    const Entry& a = stations[i].above;
+    const Entry& b = stations[i + 1].below;
+    const auto [low, high] = std::minmax(a.extinction, b.extinction);
+    const double change = std::max(colorChange(a, b), (static_cast<double>(high) - low) / high);
+    const double count = std::ceil(perChannel * std::min(change, 1.));
+    for (double k = 1.; k < count; ++k)
+    {
+      const Entry entry = TransferFunction::between(a, b, static_cast<float>(k / count));
+      const float place = toFloat(std::lerp<double>(stations[i].place, stations[i + 1].place, k / count));
+      if (place > stairs.back().place && place < stations[i + 1].place)
+      {
+        stairs.push_back({ place, entry, entry });
+      }
+    }
+  }
+  return stairs;
 }
 
 std::vector<IntegralTable::Station> IntegralTable::makeStations(
@@ -236,6 +318,7 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
 {
   const double tolerance = isOfMany_ ? colorsOfMany : 1. / 2048.;
   std::vector<Station> stations;
+  stations.reserve(2 * nodes.size());
   const auto add = [&](double value, const Entry& below, const Entry& above) {
     Station station{ toFloat(placeOf(value)), below, above };
     for (Entry* entry : { &station.below, &station.above })
@@ -286,15 +369,16 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
       }
     }
   }
-  if (!isOfMany_)
-  {
-    return thinned(stations, tolerance / 4.);
-  }
-  for (std::size_t i = 0; i + 1 < stations.size(); ++i)
+  for (std::size_t i = 0; isOfMany_ && i + 1 < stations.size(); ++i)
   {
     moveProducts(stations[i].above, stations[i + 1].below);
   }
-  return thinned(stations, tolerance / 64.);
+  thin(stations, tolerance / (isOfMany_ ? 64. : 4.));
+  if (std::adjacent_find(stations.begin(), stations.end(), isSteep) != stations.end())
+  {
+    return withStairs(stations);
+  }
+  return stations;
 }
 
 void IntegralTable::makeRows(const std::vector<Station>& stations, double mostInSums)

@@ -33,6 +33,9 @@ public:
   IntegralTable(
     const TransferFunction& transferFunction, double unit, double mostExtinction, double smallestLeaf);
 
+  /// Whether its lowest nodes lie where float lanes, whose places have less room, have no digits left: beyond 55 decades.
+  static bool needsDoubles(const TransferFunction& transferFunction);
+
   /// A value's place: its distance from a value of the function's, where places have most digits, in a power of two.
   double placeOf(double value) const noexcept { return (value - reference_) * scale_; }
   double reference() const noexcept { return reference_; }
@@ -87,7 +90,9 @@ private:
   struct Station;
   std::vector<Station> makeStations(const TransferFunction& transferFunction,
     const std::vector<TransferFunction::Node>& nodes, double unit) const;
-  static std::vector<Station> thinned(const std::vector<Station>& stations, double tolerance);
+  static void thin(std::vector<Station>& stations, double tolerance);
+  static bool isSteep(const Station& low, const Station& high);
+  static std::vector<Station> withStairs(const std::vector<Station>& stations);
   void makeRows(const std::vector<Station>& stations, double mostInSums);
   void shareColorChanges();
   void makeFinestSteps(const std::vector<Station>& stations, double smallestLeaf);

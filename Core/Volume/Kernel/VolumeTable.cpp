@@ -37,7 +37,7 @@ bool fits(const Field& field, const TransferFunction& transferFunction, double p
   // Where the field crosses the table: two farthest places would tell nothing of it.
   const double reach = std::min(range.max - transferFunction.min(), transferFunction.min() - range.min);
   return width < large && low < large && scale < steep && (scale == 0. || scale > 1. / large) &&
-    !(reach * scale > farthestPlace);
+    !(reach * scale > farthestPlace) && !IntegralTable::needsDoubles(transferFunction);
 }
 
 } // namespace
