@@ -35,6 +35,13 @@ void visitMixed(const CrossedBlock& block, double rounding, const RayPart& ray, 
   visitRoots(cubic, at(crossing.from), at(crossing.to), 0., visit);
 }
 
+/// In the order of floats, as numbers without sign.
+std::uint64_t orderOf(float depth) noexcept
+{
+  const auto bits = std::bit_cast<std::uint32_t>(depth);
+  return bits ^ (bits >> 31 ? 0xffffffffu : 0x80000000u);
+}
+
 } // namespace
 
 BlockIntersection::BlockIntersection(
@@ -61,6 +68,7 @@ void BlockIntersection::add(std::size_t mostHits, RayTile& tile) const noexcept
   {
     tile.all[i].clear();
     hits.all = &tile.all[i];
+    hits.found = &tile.found;
     hits.most = mostHits;
   }
 }
@@ -134,8 +142,9 @@ void BlockIntersection::collectInBlock(const CrossedBlock& block, const RayPart&
   visitHits(
     block, ray, hits,
     [&](std::uint32_t surface, const OctantCrossing& crossing, double s, double t) {
-      hits.all->push_back({ t, {}, {}, surface, block.number, static_cast<std::uint8_t>(crossing.octant) });
-      setGradients(block, crossing.place(s), hits.all->back());
+      SurfaceHit& hit = hits.add(t);
+      hit = { t, {}, {}, surface, block.number, static_cast<std::uint8_t>(crossing.octant) };
+      setGradients(block, crossing.place(s), hit);
       return false;
     },
     [] { return true; });
@@ -167,11 +176,6 @@ bool BlockIntersection::intersect(std::uint32_t number, const RayPart& ray, RayH
 std::uint32_t BlockIntersection::intersect(
   std::uint32_t number, int first, std::uint32_t wanted, RayTile& tile) const
 {
-  if (tile.hits[first].all)
-  {
-    tile.visits.add(number, first, wanted, [&] { return depthOf(number, tile); });
-    return 0;
-  }
   blocks_.prefetch(number);
   const CrossedBlock block(space_, blocks_.all()[number], number);
   BlockEntries entries;
@@ -207,38 +211,48 @@ float BlockIntersection::depthOf(std::uint32_t number, const RayTile& tile) cons
   return static_cast<float>(std::ldexp(depth, -block.depth()));
 }
 
-void BlockIntersection::takeVisits(RayTile& tile) const
+void BlockIntersection::takeBlocks(RayTile& tile) const
 {
   constexpr std::size_t ahead = 3; // so many blocks that their values are in the cache in time
-  BlockVisits& visits = tile.visits;
-  visits.sort();
-  BlockEntries entries;
-  for (std::size_t i = 0; i < visits.blockCount(); ++i)
+  constexpr int packet = PixelRays::most;
+  std::vector<std::uint64_t>& order = tile.order; // depth << 32 | number of the block among the tile's
+  order.clear();
+  for (std::size_t i = 0; i < tile.blocks.size(); ++i)
   {
-    if (i + ahead < visits.blockCount())
+    order.push_back(orderOf(depthOf(tile.blocks[i].block, tile)) << 32 | i);
+  }
+  std::sort(order.begin(), order.end());
+  const auto blockAt = [&](std::size_t i) { return tile.blocks[order[i] & 0xffffffffu]; };
+  BlockEntries entries;
+  for (std::size_t i = 0; i < order.size(); ++i)
+  {
+    if (i + ahead < order.size())
     {
-      blocks_.prefetch(visits.block(i + ahead));
-      gradients_.prefetch(visits.block(i + ahead));
+      blocks_.prefetch(blockAt(i + ahead).block);
+      gradients_.prefetch(blockAt(i + ahead).block);
     }
-    const std::uint32_t number = visits.block(i);
-    const CrossedBlock block(space_, blocks_.all()[number], number);
+    const MetBlock met = blockAt(i);
+    const CrossedBlock block(space_, blocks_.all()[met.block], met.block);
     const auto takeEntries = [&] {
       this->enter(tile, block, entries);
       entries.count = 0;
     };
-    visits.forVisits(i, [&](const BlockVisits::Visit& visit) {
+    for (std::uint32_t packets = met.packets; packets != 0; packets &= packets - 1)
+    {
       if (!entries.hasRoom())
       {
         takeEntries();
       }
-      enterBlock(block, tile.rays, visit.first, visit.wanted, entries);
-    });
+      const int first = packet * std::countr_zero(packets);
+      const int rays = std::min(packet, tile.count - first);
+      enterBlock(block, tile.rays, first, (1u << rays) - 1, entries);
+    }
     if (entries.count != 0)
     {
       takeEntries();
     }
   }
-  visits.clear();
+  tile.blocks.clear();
 }
 
 void BlockIntersection::enter(RayTile& tile, const CrossedBlock& place, const BlockEntries& entries) const
@@ -345,7 +359,7 @@ void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double 
   };
   if (hits.all)
   {
-    setHit(hits.all->emplace_back());
+    setHit(hits.add(t));
     addPlace(tile, number, block, octant, candidates.place(candidate, s));
   }
   else if (hits.isNearer(t, block.number))
@@ -367,8 +381,7 @@ void BlockIntersection::addPlace(
     wasKept = gradients_.isKept(block.number);
     gradients = &gradients_.record(block.number, *block.record, std::uint64_t(1) << octant);
   }
-  const RayHits& hits = tile.hits[ray];
-  tile.placed[places.count] = { ray, hits.all ? hits.all->size() - 1 : 0 };
+  tile.placed[places.count] = { ray, tile.hits[ray].all ? tile.found.size() - 1 : 0 };
   places.add(block, gradients, octant, place);
   if (places.count == HitPlaces::most || !wasKept)
   {
@@ -383,7 +396,7 @@ void BlockIntersection::takePlaces(RayTile& tile) const
   for (int i = 0; i < places.count; ++i)
   {
     RayHits& hits = tile.hits[tile.placed[i].ray];
-    SurfaceHit& hit = hits.all ? (*hits.all)[tile.placed[i].hit] : hits.nearest;
+    SurfaceHit& hit = hits.all ? tile.found[tile.placed[i].hit] : hits.nearest;
     for (int a = 0; a < 3; ++a)
     {
       hit.gradient[a] = places.gradient[a][i];
@@ -456,7 +469,7 @@ void BlockIntersection::prepareGradients(
 
 void BlockIntersection::finish(RayTile& tile) const
 {
-  takeVisits(tile);
+  takeBlocks(tile);
   takeCandidates(tile);
   tile.candidates.blockCount = 0;
   if (tile.places.withNormals)
@@ -511,12 +524,19 @@ SurfaceHit BlockIntersection::nearest(const RayHits& hits) const
 
 void BlockIntersection::sort(const Vec3& d, const RayHits& ray) const
 {
-  std::vector<SurfaceHit>& hits = *ray.all;
+  std::vector<FoundHit>& hits = *ray.all;
+  const std::vector<SurfaceHit>& found = *ray.found;
   // They come nearly sorted.
   for (std::size_t i = 1; i < hits.size(); ++i)
   {
-    const auto before = [](const SurfaceHit& a, const SurfaceHit& b) {
-      return a.t != b.t ? a.t < b.t : a.surface != b.surface ? a.surface < b.surface : a.block < b.block;
+    const auto before = [&](const FoundHit& a, const FoundHit& b) {
+      if (a.t != b.t)
+      {
+        return a.t < b.t;
+      }
+      const SurfaceHit& first = found[a.number];
+      const SurfaceHit& second = found[b.number];
+      return first.surface != second.surface ? first.surface < second.surface : first.block < second.block;
     };
     if (before(hits[i], hits[i - 1]))
     {
@@ -526,14 +546,15 @@ void BlockIntersection::sort(const Vec3& d, const RayHits& ray) const
   }
   const double speed = std::max({ std::abs(d[0]), std::abs(d[1]), std::abs(d[2]) });
   std::size_t kept = 0;
-  for (const SurfaceHit& hit : hits)
+  for (const FoundHit& hit : hits)
   {
     bool isNew = true;
     for (std::size_t k = kept; k > 0 && (hit.t - hits[k - 1].t) * speed <= sameHit * widest_; --k)
     {
-      if (hits[k - 1].surface == hit.surface)
+      const SurfaceHit& before = found[hits[k - 1].number];
+      if (before.surface == found[hit.number].surface)
       {
-        isNew = (hit.t - hits[k - 1].t) * speed > sameHit * leafWidth(hits[k - 1], { 1., 1., 1. });
+        isNew = (hit.t - before.t) * speed > sameHit * leafWidth(before, { 1., 1., 1. });
         break;
       }
     }
@@ -543,6 +564,26 @@ void BlockIntersection::sort(const Vec3& d, const RayHits& ray) const
     }
   }
   hits.resize(std::min(kept, ray.most));
+}
+
+UnitBox BlockIntersection::unitBox(std::size_t number) const noexcept
+{
+  const SurfaceBlock& block = blocks_.all()[number];
+  UnitBox box;
+  if (!block.isEmpty())
+  {
+    const BlockPlanes planes(space_, block);
+    const Bounds& domain = space_.domain();
+    for (int a = 0; a < 3; ++a)
+    {
+      const double extent = domain.max[a] - domain.min[a];
+      const double low = planes.at[a][block.firstActive(a)];
+      const double high = planes.at[a][block.endActive(a)];
+      box.low[a] = static_cast<float>((low - domain.min[a]) / extent) - UnitBox::rounding;
+      box.high[a] = static_cast<float>((high - domain.min[a]) / extent) + UnitBox::rounding;
+    }
+  }
+  return box;
 }
 
 double BlockIntersection::leafWidth(const SurfaceHit& hit, const Vec3& unit) const noexcept

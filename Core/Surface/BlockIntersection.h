@@ -3,7 +3,6 @@
 // the packets of a tile.
 #pragma once
 
-#include "Surface/BlockVisits.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Kernel/SurfaceKernel.h"
 
@@ -16,6 +15,13 @@
 namespace treeamr
 {
 
+/// One of all hits of a ray, in little memory: these are what is sorted.
+struct FoundHit
+{
+  double t;
+  std::uint32_t number; // in the order in which they are found
+};
+
 /// What a ray on its way through the blocks looks for, and has found.
 struct RayHits
 {
@@ -23,20 +29,28 @@ struct RayHits
 
   double limit; // hits beyond are not wanted
   SurfaceHit nearest;
-  Vec3 place;                   // of the nearest hit in its octant
-  std::vector<SurfaceHit>* all; // null: only the nearest hit is wanted
-  std::size_t most;             // of all, that are wanted
-  const RayParts* parts;        // hits outside do not count; null: all do
+  Vec3 place;                     // of the nearest hit in its octant
+  std::vector<FoundHit>* all;     // null: only the nearest hit is wanted
+  std::vector<SurfaceHit>* found; // what their numbers are of, and those of other rays
+  std::size_t most;               // of all, that are wanted
+  const RayParts* parts;          // hits outside do not count; null: all do
 
   void clear() noexcept
   {
     limit = nearest.t = std::numeric_limits<double>::infinity();
     nearest.block = noBlock;
     all = nullptr;
+    found = nullptr;
     most = std::numeric_limits<std::size_t>::max();
     parts = nullptr;
   }
   bool any() const noexcept { return nearest.block != noBlock; }
+  /// Of all hits the next one that is found.
+  SurfaceHit& add(double t) const
+  {
+    all->push_back({ t, static_cast<std::uint32_t>(found->size()) });
+    return found->emplace_back();
+  }
   /// Whether one is nearer than the nearest. Of equal hits of neighbours the first block's counts, whatever the order
   /// of visits.
   bool isNearer(double t, std::uint32_t block) const noexcept
@@ -60,6 +74,24 @@ struct RayHits
   }
 };
 
+/// A block, and of the packets of a tile's rays a bit for each that may come to it.
+struct MetBlock
+{
+  std::uint32_t block;
+  std::uint32_t packets;
+};
+
+/// Where the domain is a unit cube, widened by what floats round; without extent, nothing meets it.
+struct UnitBox
+{
+  /// Half the widening: a ray's origin, direction and the box are each rounded to 2^-24 of coordinates up to 1, and the
+  /// ray's parameter reaches 1.
+  static constexpr float rounding = 0x1p-22f;
+  static constexpr float infinity = std::numeric_limits<float>::infinity();
+  std::array<float, 3> low{ infinity, infinity, infinity };
+  std::array<float, 3> high{ -infinity, -infinity, -infinity };
+};
+
 /// Rays of a tile of an image: packets of 4 x 4 pixels take the same way and ask for the same vertex values.
 struct RayTile
 {
@@ -71,16 +103,18 @@ struct RayTile
   int count = 0;
   SlabRays rays;
   std::array<RayHits, most> hits;
-  std::array<std::vector<SurfaceHit>, most> all;
-  std::vector<RayParts> parts; // of the rays, where stops cut them
-  BlockVisits visits;          // of rays that want all hits
+  std::array<std::vector<FoundHit>, most> all;
+  std::vector<SurfaceHit> found;    // of all rays that want all of them
+  std::vector<RayParts> parts;      // of the rays, where stops cut them
+  std::vector<MetBlock> blocks;     // by rays that want all hits
+  std::vector<std::uint64_t> order; // of these blocks
   OctantCandidates candidates;
   CandidateRoots roots;
   HitPlaces places;
   struct Placed
   {
     int ray;
-    std::size_t hit; // of all of the ray's
+    std::size_t hit; // of all that are found
   };
   std::array<Placed, HitPlaces::most> placed; // whose places these are
 
@@ -97,8 +131,9 @@ struct RayTile
   void clear() noexcept
   {
     count = 0;
+    found.clear();
     parts.clear();
-    visits.clear();
+    blocks.clear();
     candidates.count = 0;
     candidates.blockCount = 0;
     places.count = 0;
@@ -120,17 +155,19 @@ public:
   /// Finds hits of a ray in a block: whether the nearest is now there. Throws when there is no memory for vertex
   /// values, as the next does.
   bool intersect(std::uint32_t block, const RayPart& ray, RayHits& hits) const;
-  /// The same for those of the 16 rays from the first on whose bits are set: whose limits have come nearer. Rays that
-  /// want all hits get them at the end.
+  /// The same for those of the 16 rays from the first on whose bits are set: whose limits have come nearer. For rays
+  /// that want their nearest hit.
   std::uint32_t intersect(std::uint32_t block, int first, std::uint32_t wanted, RayTile& tile) const;
 
   /// The nearest hit of a ray that has been through all blocks; it has one.
   SurfaceHit nearest(const RayHits& hits) const;
-  /// Sorts all hits of such a ray, each once, and leaves the nearest that are wanted.
+  /// Sorts all hits of such a ray, each once, and leaves the nearest that are wanted; what is found stays as it is.
   void sort(const Vec3& direction, const RayHits& hits) const;
-  /// Ends the hits of a tile whose rays have been through all blocks.
+  /// Ends the hits of a tile whose rays have been through all blocks; those that want all hits go through them now.
   void finish(RayTile& tile) const;
 
+  /// Of a block's octants that may be active.
+  UnitBox unitBox(std::size_t block) const noexcept;
   /// Least width of the leaf that a hit lies in, by the length of the planes' units.
   double leafWidth(const SurfaceHit& hit, const Vec3& unit) const noexcept;
   Vec3 unit() const noexcept { return { space_.width(0), space_.width(1), space_.width(2) }; }
@@ -151,8 +188,8 @@ private:
   void enter(RayTile& tile, const CrossedBlock& place, const BlockEntries& entries) const;
   /// Adds what they may hit in the last block of the candidates.
   void cross(RayTile& tile, const BlockEntries& entries) const;
-  /// Finds what rays have to find in the blocks that they come to.
-  void takeVisits(RayTile& tile) const;
+  /// Finds what rays have to find in the blocks that they come to, from near to far.
+  void takeBlocks(RayTile& tile) const;
   /// Finds the roots of the candidates that there are.
   void takeCandidates(RayTile& tile) const;
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;

@@ -1,6 +1,7 @@
 #include "Surface/Isosurface.h"
 
 #include "Error.h"
+#include "Surface/BlockBoxes.h"
 #include "Surface/SurfaceHierarchy.h"
 
 #include <oneapi/tbb/blocked_range2d.h>
@@ -13,6 +14,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -166,6 +169,8 @@ struct Isosurface::Impl
   BlockIntersection intersection;
   double extractionSeconds; // until here
   SurfaceHierarchy hierarchy;
+  std::once_flag makesBoxes;
+  std::optional<BlockBoxes> boxes;                                 // for layers
   tbb::enumerable_thread_specific<std::unique_ptr<RayTile>> tiles; // for frames
 
   Impl(std::shared_ptr<const Field> field, std::vector<double> ascending, std::size_t keptBytes,
@@ -260,7 +265,7 @@ IsosurfaceStatistics Isosurface::statistics() const
   IsosurfaceStatistics statistics;
   statistics.blocks = impl_->blocks.all().size();
   statistics.blockBytes = impl_->blocks.byteSize();
-  statistics.hierarchyBytes = impl_->hierarchy.byteSize();
+  statistics.hierarchyBytes = impl_->hierarchy.byteSize() + (impl_->boxes ? impl_->boxes->byteSize() : 0);
   statistics.keptBytes = impl_->blocks.keptBytes();
   statistics.gradientBytes = impl_->gradients.byteSize();
   statistics.extractionSeconds = impl_->extractionSeconds;
@@ -283,6 +288,10 @@ void Isosurface::startFrame() const
 void Isosurface::tighten() const
 {
   impl_->hierarchy.update();
+  if (impl_->boxes)
+  {
+    impl_->boxes->update();
+  }
 }
 
 bool Isosurface::intersect(const Ray& ray, double tMin, double tMax, SurfaceHit& hit) const
@@ -307,11 +316,18 @@ void Isosurface::intersectAll(const Ray& ray, double tMin, double tMax, std::vec
   RayPart part;
   RayHits hits;
   hits.clear();
-  hits.all = &all;
+  std::vector<FoundHit> sorted;
+  std::vector<SurfaceHit> found;
+  hits.all = &sorted;
+  hits.found = &found;
   if (impl_->space.start(ray, tMin, tMax, part))
   {
     impl_->hierarchy.intersect(part, hits);
     impl_->intersection.sort(part.ray.direction, hits);
+  }
+  for (const FoundHit& hit : sorted)
+  {
+    all.push_back(found[hit.number]);
   }
 }
 
@@ -349,6 +365,10 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
   const bool isCut = !camera.seesAllDepthsOf(box.min, box.max);
   const ImageTiles tiles(camera.width(), camera.height());
   image.first.assign(tiles.pixels() + 1, 0);
+  if (most != 1)
+  {
+    std::call_once(impl_->makesBoxes, [&] { impl_->boxes.emplace(impl_->intersection); });
+  }
   const auto trace = [&](int i, int j, std::vector<SurfaceHit>& found) {
     RayTile& tile = impl_->tile();
     tile.places.withNormals = normals == SurfaceNormals::Smooth;
@@ -360,7 +380,7 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
     });
     if (tile.count != 0)
     {
-      impl_->hierarchy.intersect(tile);
+      most == 1 ? impl_->hierarchy.intersect(tile) : impl_->boxes->find(tile);
       impl_->intersection.finish(tile);
     }
     found.clear();
@@ -371,7 +391,10 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
       const std::size_t before = found.size();
       if (hits.all)
       {
-        found.insert(found.end(), hits.all->begin(), hits.all->end());
+        for (const FoundHit& hit : *hits.all)
+        {
+          found.push_back(tile.found[hit.number]);
+        }
       }
       else if (hits.any())
       {

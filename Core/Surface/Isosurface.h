@@ -56,7 +56,7 @@ struct IsosurfaceStatistics
 {
   std::size_t blocks = 0; // inner nodes that a surface may pass through
   std::size_t blockBytes = 0;
-  std::size_t hierarchyBytes = 0; // Embree's
+  std::size_t hierarchyBytes = 0; // Embree's, and for layers one more
   std::size_t keptBytes = 0;      // of vertex values
   std::size_t gradientBytes = 0;  // of vertex gradients
   double extractionSeconds = 0.;  // of wall time

@@ -153,6 +153,11 @@ public:
 
   /// How often values were computed, and the extent of a block may have become narrower.
   std::uint64_t computedCount() const noexcept { return computed_; }
+  /// Whether so many have become narrower since a count that boxes of all are worth to be drawn tighter.
+  bool areMuchNarrower(std::uint64_t computedBefore) const noexcept
+  {
+    return computed_ > computedBefore && computed_ >= blocks_.size() / 64 + 2 * computedBefore;
+  }
   /// Active octants of all blocks. The first call computes the values of all that are not kept.
   std::uint64_t octantCount() const;
   /// Allocated bytes: of the blocks, and of the records.

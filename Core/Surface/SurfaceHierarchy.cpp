@@ -26,10 +26,6 @@ namespace treeamr
 namespace
 {
 
-/// Half the widening of a box in Embree's unit cube: a ray's origin, direction and the box are each rounded
-/// to 2^-24 of coordinates up to 1, and the ray's parameter reaches 1.
-constexpr float embreeRounding = 0x1p-22f;
-
 constexpr int packetRays = 16;
 
 double seconds(std::chrono::steady_clock::time_point from)
@@ -40,7 +36,7 @@ double seconds(std::chrono::steady_clock::time_point from)
 /// Embree's parameter of a ray is 0 where it enters the domain and 1 where it leaves.
 float parameterOf(double tEnter, double tLeave, double t) noexcept
 {
-  return static_cast<float>((t - tEnter) / (tLeave - tEnter)) + embreeRounding;
+  return static_cast<float>((t - tEnter) / (tLeave - tEnter)) + UnitBox::rounding;
 }
 
 #if TREEAMR_EMBREE >= 4
@@ -175,26 +171,10 @@ struct SurfaceHierarchy::Impl
   static void bounds(const RTCBoundsFunctionArguments* args) noexcept
   {
     const Impl& self = *static_cast<const Impl*>(args->geometryUserPtr);
-    const SurfaceBlock& block = self.intersection.blocks().all()[args->primID];
-    float* lower = &args->bounds_o->lower_x;
-    float* upper = &args->bounds_o->upper_x;
-    if (block.isEmpty())
-    {
-      // Embree leaves out what has no extent.
-      std::fill(lower, lower + 3, std::numeric_limits<float>::infinity());
-      std::fill(upper, upper + 3, -std::numeric_limits<float>::infinity());
-      return;
-    }
-    const BlockPlanes planes(self.intersection.space(), block);
-    const Bounds& domain = self.intersection.space().domain();
-    for (int a = 0; a < 3; ++a)
-    {
-      const double extent = domain.max[a] - domain.min[a];
-      const double low = planes.at[a][block.firstActive(a)];
-      const double high = planes.at[a][block.endActive(a)];
-      lower[a] = static_cast<float>((low - domain.min[a]) / extent) - embreeRounding;
-      upper[a] = static_cast<float>((high - domain.min[a]) / extent) + embreeRounding;
-    }
+    // Embree leaves out what has no extent.
+    const UnitBox box = self.intersection.unitBox(args->primID);
+    std::copy(box.low.begin(), box.low.end(), &args->bounds_o->lower_x);
+    std::copy(box.high.begin(), box.high.end(), &args->bounds_o->upper_x);
   }
 
   /// Finds hits of the rays that Embree asks about; reply(i, part of the ray, limit) for those whose limits have come
@@ -308,7 +288,7 @@ struct SurfaceHierarchy::Impl
     std::array<float, 3> o{};
     std::array<float, 3> d{};
     const bool found = scene && intersection.space().toUnitCube(part, o, d);
-    ray = { o[0], o[1], o[2], 0.f, d[0], d[1], d[2], 0.f, 1.f + embreeRounding, 0xffffffffu, 0, 0 };
+    ray = { o[0], o[1], o[2], 0.f, d[0], d[1], d[2], 0.f, 1.f + UnitBox::rounding, 0xffffffffu, 0, 0 };
     return found;
   }
 
@@ -325,7 +305,7 @@ struct SurfaceHierarchy::Impl
     copy(tile.rays.unitDirection[1], rays.dir_y);
     copy(tile.rays.unitDirection[2], rays.dir_z);
     std::fill_n(rays.tnear, packetRays, 0.f);
-    std::fill_n(rays.tfar, packetRays, 1.f + embreeRounding);
+    std::fill_n(rays.tfar, packetRays, 1.f + UnitBox::rounding);
     std::fill_n(rays.time, packetRays, 0.f);
     std::fill_n(rays.mask, packetRays, 0xffffffffu);
     std::fill_n(rays.flags, packetRays, 0u);
@@ -369,12 +349,10 @@ void SurfaceHierarchy::update()
 {
   Impl& self = *impl_;
   const SurfaceBlocks& blocks = self.intersection.blocks();
-  const std::uint64_t computed = blocks.computedCount();
-  if (self.scene && computed >= blocks.all().size() / 64 + 2 * self.computedBefore &&
-    computed > self.computedBefore)
+  if (self.scene && blocks.areMuchNarrower(self.computedBefore))
   {
     const auto start = std::chrono::steady_clock::now();
-    self.computedBefore = computed;
+    self.computedBefore = blocks.computedCount();
     rtcCommitGeometry(rtcGetGeometry(self.scene, 0));
     rtcCommitScene(self.scene);
     try
