@@ -1,0 +1,374 @@
+#include "Partition/FieldSupport.h"
+
+#include "Octree/TreePath.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <bit>
+
+namespace treeamr
+{
+
+namespace
+{
+
+constexpr std::array<int, 3> offsetOf(int entry)
+{
+  return { entry % 3 - 1, entry / 3 % 3 - 1, entry / 9 - 1 };
+}
+
+/// The children of a neighbour that touch the node in the middle, as a mask.
+constexpr std::array<unsigned, 27> touchingChildren = [] {
+  std::array<unsigned, 27> masks{};
+  for (int e = 0; e < 27; ++e)
+  {
+    for (int o = 0; o < 8; ++o)
+    {
+      bool touches = true;
+      for (int a = 0; a < 3; ++a)
+      {
+        // Below the middle its upper children do, above it the lower ones.
+        touches = touches && offsetOf(e)[a] != (sideOf(o, a) != 0 ? 1 : -1);
+      }
+      masks[e] |= static_cast<unsigned>(touches) << o;
+    }
+  }
+  return masks;
+}();
+
+/// What one thread finds.
+struct Found
+{
+  std::vector<CellId> needed;
+  std::vector<CellId> unknown;
+  std::vector<CellId> ofGradients; // whose leaves' values gradients take
+};
+
+class Search
+{
+public:
+  Search(const Octree& octree, const LatticeBox& box, const CellSet& known)
+    : octree_(octree)
+    , padding_(octree.grid().paddingDepth())
+    , box_(box)
+    , known_(known)
+    , ofGradients_(padding_)
+  {
+  }
+
+  FieldSupport run()
+  {
+    forAllParts([this](TreePath& path, Found& found) { return visitBox(path, found); });
+    std::vector<CellId> values;
+    for (Found& found : found_)
+    {
+      values.insert(values.end(), found.ofGradients.begin(), found.ofGradients.end());
+      found.ofGradients.clear();
+    }
+    ofGradients_ = CellSet(padding_, values);
+    tbb::parallel_for(std::size_t(0), ofGradients_.size(),
+      [this](std::size_t i) { require(ofGradients_[i], nodeAt(ofGradients_[i]), found_.local()); });
+    if (!ofGradients_.isEmpty())
+    {
+      forAllParts([this](TreePath& path, Found& found) { return visitGradients(path, found); });
+    }
+    FieldSupport support{ CellSet(padding_), CellSet(padding_) };
+    std::vector<CellId> needed;
+    std::vector<CellId> unknown;
+    for (const Found& found : found_)
+    {
+      needed.insert(needed.end(), found.needed.begin(), found.needed.end());
+      unknown.insert(unknown.end(), found.unknown.begin(), found.unknown.end());
+    }
+    support.needed.add(needed);
+    support.unknown.add(unknown);
+    return support;
+  }
+
+private:
+  CellId cellOf(const TreePath& path) const noexcept { return { path.index(), path.depth() - padding_ }; }
+  CellId cellOf(const TreePath& path, const std::array<int, 3>& offset) const noexcept
+  {
+    return moved(cellOf(path), offset);
+  }
+  static CellId moved(CellId cell, const std::array<int, 3>& offset) noexcept
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      cell.index[a] += offset[a];
+    }
+    return cell;
+  }
+  bool isInDomain(const CellId& cell) const noexcept
+  {
+    bool inside = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      inside = inside && cell.index[a] >= 0 && cell.index[a] < Coord(octree_.grid().roots()[a]) << cell.level;
+    }
+    return inside;
+  }
+  bool isKnown(const CellId& cell) const noexcept
+  {
+    if (box_.contains(cell) || known_.covers(cell))
+    {
+      return true;
+    }
+    if (!known_.meets(cell))
+    {
+      return false;
+    }
+    for (int o = 0; o < 8; ++o)
+    {
+      if (!isKnown({ indexOfChild(cell.index, o), cell.level + 1 }))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  /// A node, a leaf around the place or none.
+  NodeRef nodeAt(const CellId& cell) const noexcept
+  {
+    NodeRef node = octree_.root();
+    for (int up = padding_ + cell.level - 1; up >= 0 && node.isInner(); --up)
+    {
+      node = octree_.child(node, octantAbove(cell.index, up));
+    }
+    return node;
+  }
+
+  /// Visits the nodes that visit(path, found) is true of, from the root down, and their children. Nodes at the box's
+  /// level are shared out among threads.
+  template <class Visit>
+  void forAllParts(const Visit& visit)
+  {
+    std::vector<std::vector<std::uint8_t>> parts; // octants on the way to each
+    {
+      TreePath path(octree_);
+      std::vector<std::uint8_t> way;
+      walk(path, visit, found_.local(), [&](const TreePath& at) {
+        way.clear();
+        for (int up = at.depth() - 1; up >= 0; --up)
+        {
+          way.push_back(static_cast<std::uint8_t>(octantAbove(at.index(), up)));
+        }
+        const bool isPart = at.depth() == padding_ + box_.level;
+        if (isPart)
+        {
+          parts.push_back(way);
+        }
+        return isPart;
+      });
+    }
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
+      TreePath path(octree_);
+      for (const std::uint8_t octant : parts[i])
+      {
+        path.descend(octant);
+      }
+      walk(path, visit, found_.local(), [](const TreePath&) { return false; });
+    });
+  }
+  template <class Visit, class IsLeftOut>
+  void walk(TreePath& path, const Visit& visit, Found& found, const IsLeftOut& isLeftOut) const
+  {
+    if (isLeftOut(path) || !visit(path, found) || !path.node().isInner())
+    {
+      return;
+    }
+    for (int o = 0; o < 8; ++o)
+    {
+      path.descend(o);
+      walk(path, visit, found, isLeftOut);
+      path.ascend();
+    }
+  }
+
+  /// A place and all below it.
+  void require(const CellId& cell, NodeRef node, Found& found) const
+  {
+    if (!isInDomain(cell) || box_.contains(cell))
+    {
+      return;
+    }
+    if (node.isLeaf())
+    {
+      const int up = padding_ + cell.level - node.depth(); // a larger one is around the place
+      found.needed.push_back(
+        { { cell.index[0] >> up, cell.index[1] >> up, cell.index[2] >> up }, cell.level - up });
+      return;
+    }
+    found.needed.push_back(cell);
+    if (!isKnown(cell))
+    {
+      found.unknown.push_back(cell);
+    }
+  }
+
+  static bool touchesLarger(const TreePath& path) noexcept
+  {
+    const Neighbourhood& around = path.around(path.depth());
+    return std::ranges::any_of(
+      around, [&](const NodeRef& node) { return node.isLeaf() && node.depth() < path.depth(); });
+  }
+
+  /// What the values in a leaf take, and those that hang on a larger leaf beside a node.
+  void requireAround(const TreePath& path, bool hangs, Found& found) const
+  {
+    const Neighbourhood& around = path.around(path.depth());
+    for (int e = 0; e < 27; ++e)
+    {
+      const CellId cell = cellOf(path, offsetOf(e));
+      if (hangs || around[e].isLeaf())
+      {
+        require(cell, around[e], found);
+        continue;
+      }
+      if (!isInDomain(cell))
+      {
+        continue;
+      }
+      for (unsigned rest = touchingChildren[e]; rest != 0; rest &= rest - 1)
+      {
+        const int o = std::countr_zero(rest);
+        const NodeRef child =
+          around[e].isInner() ? octree_.children(around[e].index()).node(o, path.depth() + 1) : NodeRef{};
+        require({ indexOfChild(cell.index, o), cell.level + 1 }, child, found);
+      }
+    }
+  }
+
+  /// Whether no cell is missing below a node.
+  bool isFull(NodeRef node) const noexcept
+  {
+    if (!node.isInner())
+    {
+      return node.isLeaf();
+    }
+    const Octree::Children children = octree_.children(node.index());
+    bool full = children.exists == 0xff;
+    for (unsigned rest = full ? children.inner() : 0; full && rest != 0; rest &= rest - 1)
+    {
+      full = isFull(children.node(std::countr_zero(rest), node.depth() + 1));
+    }
+    return full;
+  }
+
+  void addOfGradients(const CellId& cell, Found& found) const
+  {
+    if (isInDomain(cell) && !box_.contains(cell))
+    {
+      found.ofGradients.push_back(cell);
+    }
+  }
+  /// Gradients take values a leaf's width away, or that of a larger leaf, which is twice a node's width, from the node's
+  /// vertices: on the far faces of the nodes one or two steps along each axis. Where these lack cells, of what is around.
+  void requireGradients(const TreePath& path, bool hangs, Found& found) const
+  {
+    for (const int e : { 12, 14, 10, 16, 4, 22 }) // across the faces
+    {
+      const std::array<int, 3> step = offsetOf(e);
+      const CellId next = cellOf(path, step);
+      requireAhead(next, path.around(path.depth())[e], step, found);
+      if (hangs)
+      {
+        const CellId second = moved(next, step);
+        requireAhead(second, isInDomain(second) ? nodeAt(second) : NodeRef{}, step, found);
+      }
+    }
+  }
+  void requireAhead(const CellId& cell, NodeRef node, const std::array<int, 3>& step, Found& found) const
+  {
+    addOfGradients(cell, found);
+    if (isFull(node) || !isInDomain(cell) || !isKnown(cell))
+    {
+      return;
+    }
+    for (int e = 0; e < 27; ++e)
+    {
+      const std::array<int, 3> offset = offsetOf(e);
+      if (offset[0] * step[0] + offset[1] * step[1] + offset[2] * step[2] >= 0)
+      {
+        addOfGradients(moved(cell, offset), found);
+      }
+    }
+  }
+
+  /// Whether leaves below may depend on what is not in the box.
+  bool dependsOnOutside(const CellId& cell) const noexcept
+  {
+    CellId first = cell;
+    CellId last = cell;
+    constexpr Coord reach = 3; // two nodes along a gradient's step, and the one beyond
+    for (int a = 0; a < 3; ++a)
+    {
+      first.index[a] = std::max<Coord>(cell.index[a] - reach, 0);
+      last.index[a] =
+        std::min<Coord>(cell.index[a] + reach, (Coord(octree_.grid().roots()[a]) << cell.level) - 1);
+    }
+    return !box_.contains(first) || !box_.contains(last);
+  }
+
+  bool visitBox(const TreePath& path, Found& found) const
+  {
+    const CellId cell = cellOf(path);
+    if (cell.level < 0)
+    {
+      return true;
+    }
+    if (path.node().isNone() || !box_.meets(cell) || !dependsOnOutside(cell))
+    {
+      return false;
+    }
+    const bool hangs = touchesLarger(path);
+    if (hangs || path.node().isLeaf())
+    {
+      requireAround(path, hangs, found);
+      requireGradients(path, hangs, found);
+    }
+    return true;
+  }
+
+  bool visitGradients(const TreePath& path, Found& found) const
+  {
+    const CellId cell = cellOf(path);
+    if (cell.level < 0)
+    {
+      return true;
+    }
+    if (path.node().isNone() || !ofGradients_.meets(cell))
+    {
+      return false;
+    }
+    const bool hangs = touchesLarger(path);
+    if (hangs || path.node().isLeaf())
+    {
+      requireAround(path, hangs, found);
+    }
+    return true;
+  }
+
+  const Octree& octree_;
+  int padding_;
+  const LatticeBox& box_;
+  const CellSet& known_;
+  CellSet ofGradients_;
+  tbb::enumerable_thread_specific<Found> found_;
+};
+
+} // namespace
+
+FieldSupport findFieldSupport(const Octree& octree, const LatticeBox& box, const CellSet& known)
+{
+  if (box.isEmpty())
+  {
+    const int padding = octree.grid().paddingDepth();
+    return { CellSet(padding), CellSet(padding) };
+  }
+  return Search(octree, box, known).run();
+}
+
+} // namespace treeamr

@@ -1,0 +1,360 @@
+// Boxes of a domain, and what has to be held around one: the field inside is then that of all cells, bit for bit.
+#include "Interpolation/BlockGradients.h"
+#include "Interpolation/BlockValues.h"
+#include "Partition/BoxCuts.h"
+#include "Partition/FieldSupport.h"
+#include "Support/Fields.h"
+#include "Support/RandomTrees.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <numeric>
+#include <random>
+
+using namespace treeamr;
+using namespace treeamr::test;
+
+namespace
+{
+
+std::shared_ptr<const Octree> octreeOf(const RootGrid& grid, const std::vector<LeafCell>& cells)
+{
+  return buildOctree(grid, cells).octree;
+}
+
+/// The cells that are in the box or, wholly or with a part, in places.
+std::vector<LeafCell> held(const std::vector<LeafCell>& cells, const LatticeBox& box, const CellSet& places)
+{
+  std::vector<LeafCell> kept;
+  std::ranges::copy_if(cells, std::back_inserter(kept),
+    [&](const LeafCell& leaf) { return box.meets(leaf.cell) || places.meets(leaf.cell); });
+  return kept;
+}
+
+struct Support
+{
+  std::vector<LeafCell> cells;
+  int rounds = 0;
+};
+
+/// As a process that sees no more than it has asked for.
+Support supportOf(const RootGrid& grid, const std::vector<LeafCell>& cells, const LatticeBox& box)
+{
+  CellSet known(grid.paddingDepth());
+  Support support;
+  for (;;)
+  {
+    ++support.rounds;
+    const std::vector<LeafCell> sofar = held(cells, box, known);
+    const FieldSupport found = findFieldSupport(*octreeOf(grid, sofar), box, known);
+    if (found.unknown.isEmpty())
+    {
+      support.cells = held(cells, box, found.needed);
+      return support;
+    }
+    std::vector<CellId> more;
+    for (std::size_t i = 0; i < found.unknown.size(); ++i)
+    {
+      more.push_back(found.unknown[i]);
+    }
+    known.add(more);
+    EXPECT_LT(support.rounds, 30);
+  }
+}
+
+using VertexPlace = std::array<Coord, 3>; // on the lattice of the finest octants
+
+struct AtVertex
+{
+  double value;
+  Vec3 gradient;
+};
+
+/// Of the leaves that meet a box.
+std::map<VertexPlace, AtVertex> verticesIn(const Field& field, const LatticeBox& box, int leafLevels)
+{
+  std::map<VertexPlace, AtVertex> all;
+  BlockEvaluator ofValues(field);
+  GradientEvaluator ofGradients(field);
+  const Octree& octree = field.octree();
+  const int padding = octree.grid().paddingDepth();
+  TreePath root(octree);
+  forEachNode(root, [&](const TreePath& at) {
+    if (!at.node().isInner())
+    {
+      return;
+    }
+    const Octree::Children children = octree.children(at.node().index());
+    BlockVertices vertices{};
+    for (int o = 0; o < 8; ++o)
+    {
+      const CellId child{ indexOfChild(at.index(), o), at.depth() + 1 - padding };
+      if ((children.leaf >> o & 1) == 0 || !box.meets(child))
+      {
+        continue;
+      }
+      for (int v = 0; v < 27; ++v)
+      {
+        add(vertices, 2 * sideOf(o, 0) + v % 3, 2 * sideOf(o, 1) + v / 3 % 3, 2 * sideOf(o, 2) + v / 9);
+      }
+    }
+    if (vertices == BlockVertices{})
+    {
+      return;
+    }
+    const BlockPath path(at);
+    BlockValues values;
+    ofValues.compute(path, BlockCells::Leaves, values);
+    BlockGradients gradients;
+    ofGradients.compute(path, BlockCells::Leaves, vertices, gradients);
+    const int up = padding + leafLevels - 1 - at.depth();
+    forEachVertex(vertices, [&](int v) {
+      VertexPlace place{ v % 5, v / 5 % 5, v / 25 };
+      for (int a = 0; a < 3; ++a)
+      {
+        place[a] = (4 * at.index()[a] + place[a]) << up;
+      }
+      all[place] = { values.values[v], gradients[v] };
+    });
+  });
+  return all;
+}
+
+template <class T>
+bool sameBits(const T& a, const T& b)
+{
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
+LatticeBox randomBox(const std::array<int, 3>& roots, std::mt19937& random)
+{
+  LatticeBox box;
+  box.level = static_cast<int>(random() % 3);
+  for (int a = 0; a < 3; ++a)
+  {
+    const Coord size = Coord(roots[a]) << box.level;
+    box.begin[a] = static_cast<Coord>(random() % size);
+    box.end[a] = box.begin[a] + 1 + static_cast<Coord>(random() % (size - box.begin[a]));
+  }
+  return box;
+}
+
+} // namespace
+
+TEST(FieldSupport, ValuesAndGradientsInABoxAreThoseOfAllCells)
+{
+  std::size_t compared = 0;
+  std::size_t wrongValues = 0;
+  std::size_t wrongGradients = 0;
+  std::size_t heldCells = 0;
+  std::size_t allCells = 0;
+  int mostRounds = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto cells = makeRandomTree(options);
+    const RootGrid grid = unitRoots(options.roots);
+    const auto all = makeField(grid, cells);
+    std::mt19937 random(options.seed);
+    for (int b = 0; b < 8; ++b)
+    {
+      const LatticeBox box = randomBox(options.roots, random);
+      const Support support = supportOf(grid, cells, box);
+      mostRounds = std::max(mostRounds, support.rounds);
+      heldCells += support.cells.size();
+      allCells += cells.size();
+      if (support.cells.empty())
+      {
+        continue;
+      }
+      const auto part = makeField(grid, support.cells);
+      const int levels = all->octree().leafLevels();
+      const auto expected = verticesIn(*all, box, levels);
+      const auto found = verticesIn(*part, box, levels);
+      ASSERT_EQ(expected.size(), found.size());
+      for (auto e = expected.begin(), f = found.begin(); e != expected.end(); ++e, ++f)
+      {
+        ASSERT_EQ(e->first, f->first);
+        ++compared;
+        wrongValues += !sameBits(e->second.value, f->second.value);
+        wrongGradients += !sameBits(e->second.gradient, f->second.gradient);
+      }
+    }
+  }
+  EXPECT_EQ(wrongValues, 0u) << "of " << compared;
+  EXPECT_EQ(wrongGradients, 0u) << "of " << compared;
+  EXPECT_GT(compared, 1000000u);
+  EXPECT_LE(mostRounds, 8);
+}
+
+TEST(FieldSupport, OfEqualCellsTwoLayersAreNeeded)
+{
+  // Gradients take values a width away, and these those of the cells around.
+  std::vector<LeafCell> cells;
+  for (Coord i = 0; i < 16 * 16 * 16; ++i)
+  {
+    cells.push_back({ { { i % 16, i / 16 % 16, i / 256 }, 4 }, static_cast<float>(i) });
+  }
+  const LatticeBox box{ 2, { 0, 0, 0 }, { 2, 4, 4 } };
+  const Support support = supportOf(unitRoots({ 1, 1, 1 }), cells, box);
+  EXPECT_EQ(support.cells.size(), 16u * 16 * (8 + 2));
+}
+
+TEST(FieldSupport, FarFromTheBoxNothingIsNeeded)
+{
+  // Coarse leaves in and beside it, and fine cells behind those.
+  const LatticeBox box{ 1, { 0, 0, 0 }, { 1, 2, 2 } };
+  std::vector<LeafCell> cells;
+  for (int o = 0; o < 8; ++o)
+  {
+    cells.push_back({ { indexOfChild({ 0, 0, 0 }, o), 1 }, 1.f });
+  }
+  for (int root = 1; root < 3; ++root)
+  {
+    for (Coord i = 0; i < 32 * 32 * 32; ++i)
+    {
+      cells.push_back({ { { 32 * root + i % 32, i / 32 % 32, i / 1024 }, 5 }, 2.f });
+    }
+  }
+  const Support support = supportOf(unitRoots({ 3, 1, 1 }), cells, box);
+  // Gradients in the box take values from the coarse leaf's far face, and these those of nodes of half its width.
+  EXPECT_EQ(support.cells.size(), 8u + 32 * 32 * 8);
+}
+
+TEST(FieldSupport, EmptyBoxesAndOctreesNeedNothing)
+{
+  const RootGrid grid = unitRoots({ 1, 1, 1 });
+  const std::vector<LeafCell> cells{ { { { 0, 0, 0 }, 0 }, 1.f } };
+  const LatticeBox none{ 1, { 1, 0, 0 }, { 1, 2, 2 } };
+  EXPECT_TRUE(none.isEmpty());
+  EXPECT_TRUE(supportOf(grid, cells, none).cells.empty());
+  EXPECT_TRUE(supportOf(grid, {}, { 1, { 0, 0, 0 }, { 1, 2, 2 } }).cells.empty());
+  EXPECT_EQ(supportOf(grid, cells, { 1, { 0, 0, 0 }, { 1, 2, 2 } }).cells.size(), 1u);
+}
+
+TEST(CellSet, KeepsTheOuterOfNestedCells)
+{
+  std::mt19937 random(1);
+  for (int round = 0; round < 200; ++round)
+  {
+    std::vector<CellId> cells;
+    const auto randomCell = [&] {
+      CellId cell;
+      cell.level = static_cast<int>(random() % 4);
+      for (Coord& index : cell.index)
+      {
+        index = static_cast<Coord>(random() % (Coord(3) << cell.level));
+      }
+      return cell;
+    };
+    const auto isInside = [](const CellId& a, const CellId& b) {
+      bool inside = a.level >= b.level;
+      for (int i = 0; inside && i < 3; ++i)
+      {
+        inside = a.index[i] >> (a.level - b.level) == b.index[i];
+      }
+      return inside;
+    };
+    for (int i = 0; i < 12; ++i)
+    {
+      cells.push_back(randomCell());
+    }
+    const CellSet set(2, cells);
+    for (int i = 0; i < 100; ++i)
+    {
+      const CellId asked = randomCell();
+      const bool covered =
+        std::ranges::any_of(cells, [&](const CellId& cell) { return isInside(asked, cell); });
+      EXPECT_EQ(set.covers(asked), covered);
+      EXPECT_EQ(set.meets(asked),
+        covered || std::ranges::any_of(cells, [&](const CellId& cell) { return isInside(cell, asked); }));
+    }
+    for (std::size_t i = 0; i < set.size(); ++i)
+    {
+      for (std::size_t j = 0; j < set.size(); ++j)
+      {
+        EXPECT_TRUE(i == j || !isInside(set[i], set[j]));
+      }
+    }
+  }
+}
+
+TEST(BoxCuts, FillTheDomainWithAboutAsManyCellsEach)
+{
+  for (const int parts : { 1, 2, 3, 5, 8, 13 })
+  {
+    const std::array<int, 3> roots{ 3, 2, 1 };
+    const auto cells = makeRandomTree({ .seed = 5, .roots = roots, .levels = 7, .refine = 0.9 });
+    CellHistogram histogram(roots, CellHistogram::levelFor(roots, parts, 7));
+    for (const LeafCell& leaf : cells)
+    {
+      histogram.add(leaf.cell);
+    }
+    EXPECT_NEAR(std::accumulate(histogram.counts().begin(), histogram.counts().end(), 0.),
+      static_cast<double>(cells.size()), 1e-6 * static_cast<double>(cells.size()));
+    const std::vector<LatticeBox> boxes = cutBoxes(histogram, parts);
+    ASSERT_EQ(boxes.size(), static_cast<std::size_t>(parts));
+    std::vector<std::size_t> owned(boxes.size(), 0);
+    for (const LeafCell& leaf : cells)
+    {
+      int owners = 0;
+      for (std::size_t b = 0; b < boxes.size(); ++b)
+      {
+        const bool owns = boxes[b].owns(leaf.cell);
+        owners += owns;
+        owned[b] += owns;
+        EXPECT_LE(owns, boxes[b].meets(leaf.cell));
+      }
+      EXPECT_EQ(owners, 1);
+    }
+    const double most = static_cast<double>(*std::ranges::max_element(owned));
+    EXPECT_LT(most, 1.25 * static_cast<double>(cells.size()) / parts) << parts;
+  }
+}
+
+TEST(BoxCuts, EqualCellsAreCutIntoCubes)
+{
+  CellHistogram histogram({ 1, 1, 1 }, 5);
+  histogram.add({ { 0, 0, 0 }, 0 });
+  for (const LatticeBox& box : cutBoxes(histogram, 64))
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      EXPECT_EQ(box.end[a] - box.begin[a], 8);
+    }
+  }
+}
+
+TEST(BoxCuts, LatticesOfManyRootsAreCutBetweenSome)
+{
+  const std::array<int, 3> roots{ 2000000, 3000, 1000 };
+  const int level = CellHistogram::levelFor(roots, 7, 0);
+  EXPECT_LT(level, 0);
+  CellHistogram histogram(roots, level);
+  EXPECT_LT(histogram.counts().size(), 1u << 19);
+  for (int i = 0; i < 1000; ++i)
+  {
+    histogram.add({ { 2000 * i, 2999, 999 }, 0 });
+  }
+  const std::vector<LatticeBox> boxes = cutBoxes(histogram, 7);
+  for (int i = 0; i < 1000; ++i)
+  {
+    EXPECT_EQ(std::ranges::count_if(boxes,
+                [&](const LatticeBox& box) {
+                  return box.owns({ { 8000 * i, 11999, 3999 }, 2 });
+                }),
+      1);
+  }
+  EXPECT_TRUE(std::ranges::all_of(boxes, [&](const LatticeBox& box) { return box.end[0] <= roots[0]; }));
+}
+
+TEST(BoxCuts, MoreBoxesThanPlacesLeaveSomeEmpty)
+{
+  CellHistogram histogram({ 1, 1, 1 }, 0);
+  histogram.add({ { 0, 0, 0 }, 0 });
+  const std::vector<LatticeBox> boxes = cutBoxes(histogram, 5);
+  ASSERT_EQ(boxes.size(), 5u);
+  EXPECT_EQ(std::ranges::count_if(boxes, [](const LatticeBox& box) { return !box.isEmpty(); }), 1);
+}
