@@ -9,15 +9,18 @@
 #include "LargeDataArray.h"
 
 #include "vtkAOSDataArrayTemplate.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkSmartPointer.h"
 #include "vtkTypeTraits.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace treeamr
@@ -250,6 +253,26 @@ public:
   {
     *tuple(node) = *tuple(firstChild);
   }
+};
+
+/// vtkGhostType of cells that another process has, too, and counts.
+class GhostFiller : public TypedFiller<unsigned char>
+{
+public:
+  /// isGhost: of a leaf, called by several threads.
+  GhostFiller(vtkIdType nodes, std::function<bool(const TreeLeaf&)> isGhost)
+    : TypedFiller(vtkDataSetAttributes::GhostArrayName(), 1, nodes)
+    , isGhost_(std::move(isGhost))
+  {
+  }
+  void setLeaf(vtkIdType node, const TreeLeaf& leaf) override
+  {
+    *tuple(node) = isGhost_(leaf) ? vtkDataSetAttributes::DUPLICATECELL : 0;
+  }
+  void setInner(vtkIdType node, vtkIdType /*firstChild*/, unsigned /*present*/) override { *tuple(node) = 0; }
+
+private:
+  std::function<bool(const TreeLeaf&)> isGhost_;
 };
 
 /// Of values at corners. lattice: the trees', kept by reference.

@@ -21,7 +21,6 @@
 #include "vtkType.h"
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -34,18 +33,6 @@ class vtkHyperTreeGrid;
 
 namespace treeamr
 {
-
-/// Level of the deepest node around both, of one tree; that of the coarser one when it is around the other.
-inline int commonLevel(const TreeLeaf& a, const TreeLeaf& b) noexcept
-{
-  const int level = a.level < b.level ? a.level : b.level;
-  std::uint32_t differing = 0;
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    differing |= (a.index[axis] >> (a.level - level)) ^ (b.index[axis] >> (b.level - level));
-  }
-  return level - static_cast<int>(std::bit_width(differing));
-}
 
 /// The nodes of a tree from its leaves, in Morton order.
 class NodeCounter

@@ -1,6 +1,8 @@
 // The cache of fields and octrees in front of the conversion.
 #include "HyperTreeGridConverter.h"
 
+#include "GridPartition.h"
+
 #include "CategoryNumbers.h"
 
 #include "vtkCellData.h"
@@ -408,6 +410,19 @@ void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])
       {
         bounds[2 * a] = first ? box.min[a] : std::min(bounds[2 * a], box.min[a]);
         bounds[2 * a + 1] = first ? box.max[a] : std::max(bounds[2 * a + 1], box.max[a]);
+      }
+    }
+    if (const auto partition = partitionOf(*grid); partition && vtkMath::AreBoundsInitialized(bounds))
+    {
+      const Bounds box = partition->box().bounds(rootGrid);
+      for (int a = 0; a < 3; ++a)
+      {
+        bounds[2 * a] = std::max(bounds[2 * a], box.min[a]);
+        bounds[2 * a + 1] = std::min(bounds[2 * a + 1], box.max[a]);
+      }
+      if (!vtkMath::AreBoundsInitialized(bounds))
+      {
+        vtkMath::UninitializeBounds(bounds);
       }
     }
   }

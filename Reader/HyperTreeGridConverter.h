@@ -2,7 +2,8 @@
 //
 // Drawn are the leaves of the trees, or the vertices at the grid's depth limit with the volume-weighted mean
 // of the leaves below. Left out are cells that are masked or hidden (HIDDENCELL in vtkGhostType), and cells
-// whose value is not finite or beyond the range of float. Leaves marked DUPLICATECELL become ghosts. Values
+// whose value is not finite or beyond the range of float. Leaves marked DUPLICATECELL become ghosts, but for grids with a
+// box (GridPartition.h). Values
 // are computed in double and stored as float, those of doubles and integers, where it takes that to keep their digits,
 // less an offset (Field/FieldOffset.h). It comes from the range of the values that are drawn, whatever is left out. Arrays
 // of values at corners (CornerArrays.h) become fields of these.
@@ -85,8 +86,8 @@ VTKTREEAMRREADER_EXPORT vtkDataArray& numericCellArray(vtkHyperTreeGrid& grid, c
 VTKTREEAMRREADER_EXPORT vtkIdType globalIndex(vtkHyperTreeGrid& grid, const CellId& cell);
 
 /// Bounds (xmin, xmax, ymin, ...) of the trees that this process holds; uninitialised (1, -1, ...) when there
-/// is none or the grid is not one that acquireField() takes. vtkHyperTreeGrid::GetBounds() gives the whole
-/// lattice up to VTK 9.3.
+/// is none or the grid is not one that acquireField() takes; of a grid with a box (GridPartition.h) what lies in it.
+/// vtkHyperTreeGrid::GetBounds() gives the whole lattice up to VTK 9.3.
 VTKTREEAMRREADER_EXPORT void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6]);
 
 } // namespace treeamr

@@ -289,7 +289,7 @@ public:
     return values;
   }
 
-  bool ghosts() const noexcept { return topology_.hasGhosts(); }
+  bool ghosts() const noexcept { return topology_.hasGhosts() && !topology_.isPartitioned(); }
   bool isGhost(const Handle& handle) const noexcept
   {
     return topology_.isGhost(topology_.trees()[handle.tree], handle.vertex);

@@ -2,6 +2,7 @@
 #include "HyperTreeGridTopology.h"
 
 #include "Error.h"
+#include "GridPartition.h"
 
 #include "vtkBitArray.h"
 #include "vtkDataArray.h"
@@ -175,6 +176,7 @@ HyperTreeGridTopology::HyperTreeGridTopology(vtkHyperTreeGrid* grid)
   : rootGrid_(readRootPlanes(checked(grid)))
   , trees_(collectTrees(*grid))
   , depthLimit_(grid->GetDepthLimiter())
+  , isPartitioned_(partitionOf(*grid).has_value())
 {
   checkTrees();
   measureGlobalIndices();
@@ -406,6 +408,7 @@ ContentDigest HyperTreeGridTopology::octreeDigest() const
     }
   }
   digest.add(static_cast<std::uint64_t>(depthLimit_));
+  digest.add(static_cast<std::uint64_t>(isPartitioned_));
   std::vector<ContentDigest> ofTrees(trees_.size());
   tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
     const HyperTreeView& tree = trees_[t];

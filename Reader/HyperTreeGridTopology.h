@@ -98,6 +98,8 @@ public:
     return states_.empty() || (states_[tree.firstState + vertex] & existsBit);
   }
   bool hasGhosts() const noexcept { return hasGhosts_; }
+  /// Whether ghosts are cells like others, for a box says what is drawn (GridPartition.h).
+  bool isPartitioned() const noexcept { return isPartitioned_; }
   bool isGhost(const HyperTreeView& tree, vtkIdType vertex) const noexcept
   {
     return hasGhosts_ && (states_[tree.firstState + vertex] & ghostBit);
@@ -151,6 +153,7 @@ private:
   ContentDigest globalIndexDigest_;
   std::vector<std::uint8_t> states_; // per vertex, tree after tree; empty: all exist, none is a ghost
   bool hasGhosts_ = false;
+  bool isPartitioned_;
 };
 
 template <class Body>

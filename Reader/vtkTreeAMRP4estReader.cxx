@@ -4,8 +4,10 @@
 #include "CellArrayFillers.h"
 #include "Error.h"
 #include "Forest/ForestInput.h"
+#include "Forest/ForestPiece.h"
 #include "Forest/P4estTreeLattice.h"
 #include "Forest/QuadrantArrays.h"
+#include "GridPartition.h"
 #include "HyperTreeGridBuilder.h"
 
 #include "vtkCommand.h"
@@ -13,6 +15,7 @@
 #include "vtkErrorCode.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
+#include "vtkInformationIntegerKey.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -22,6 +25,7 @@
 #include <cctype>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -117,12 +121,19 @@ public:
   void setLeaf(vtkIdType node, const treeamr::TreeLeaf& leaf) override { this->setLeaves({ leaf }, &node); }
   void setLeaves(const std::vector<treeamr::TreeLeaf>& leaves, const vtkIdType* nodes) override
   {
-    std::size_t i = 0;
-    this->File.records().visit(leaves[0].number, leaves.size(), [&](const std::byte* values) {
-      treeamr::TreeLeaf withValues = leaves[i];
-      withValues.payload = values;
-      this->Filler->setLeaf(nodes[i++], withValues);
-    });
+    for (std::size_t i = 0; i < leaves.size();)
+    {
+      std::size_t end = i + 1; // of those that follow each other in the file
+      while (end < leaves.size() && leaves[end].number == leaves[end - 1].number + 1)
+      {
+        ++end;
+      }
+      this->File.records().visit(leaves[i].number, end - i, [&](const std::byte* values) {
+        treeamr::TreeLeaf withValues = leaves[i];
+        withValues.payload = values;
+        this->Filler->setLeaf(nodes[i++], withValues);
+      });
+    }
   }
   void setInner(vtkIdType node, vtkIdType firstChild, unsigned present) override
   {
@@ -308,11 +319,12 @@ int vtkTreeAMRP4estReader::RequestData(
   vtkHyperTreeGrid* const output = vtkHyperTreeGrid::GetData(outInfo);
   output->Initialize();
   this->ErrorCode = vtkErrorCode::NoError; // not by its setter, which is a modification
-  if (outInfo->Has(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) &&
-    outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()) > 0)
-  {
-    return 1;
-  }
+  using SDDP = vtkStreamingDemandDrivenPipeline;
+  const auto asked = [outInfo](vtkInformationIntegerKey* key, int unasked) {
+    return outInfo->Has(key) ? outInfo->Get(key) : unasked;
+  };
+  const int piece = asked(SDDP::UPDATE_PIECE_NUMBER(), 0);
+  const int pieces = asked(SDDP::UPDATE_NUMBER_OF_PIECES(), 1);
   if (!this->FileName || !*this->FileName)
   {
     this->ErrorCode = vtkErrorCode::NoFileNameError;
@@ -324,7 +336,7 @@ int vtkTreeAMRP4estReader::RequestData(
   try
   {
     vtkNew<vtkHyperTreeGrid> grid;
-    this->Read(grid);
+    this->Read(grid, piece, pieces);
     output->ShallowCopy(grid);
     this->ErrorCode = vtkErrorCode::NoError;
   }
@@ -339,7 +351,7 @@ int vtkTreeAMRP4estReader::RequestData(
   return 1;
 }
 
-void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
+void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid, int piece, int pieces)
 {
   const treeamr::ForestInput input(this->FileName);
   const P4estForestFile& file = input.forest();
@@ -347,7 +359,17 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
   std::copy_n(this->Origin, 3, boxes.origin.begin());
   std::copy_n(this->Spacing, 3, boxes.spacing.begin());
   const treeamr::TreeLattice lattice = treeamr::p4estTreeLattice(file, boxes);
-  treeamr::HyperTreeGridBuilder builder(grid, lattice, NodeCounts(file), file.path());
+  std::optional<treeamr::ForestPiece> part; // none: all is read
+  if (pieces > 1 && file.dimension() == 3)
+  {
+    part.emplace(file, lattice, piece, pieces);
+  }
+  else if (piece > 0)
+  {
+    return; // the first one shows what has two dimensions
+  }
+  treeamr::HyperTreeGridBuilder builder(
+    grid, lattice, part ? part->nodeCounts() : NodeCounts(file), file.path());
   const vtkIdType nodes = builder.nodeCount();
 
   const treeamr::PayloadReading payload = input.readPayload(TextOf(this->Payload));
@@ -389,19 +411,28 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid)
       builder.addArray(std::make_unique<treeamr::TreeIdFiller>(nodes));
     }
   }
+  if (part)
+  {
+    builder.addArray(std::make_unique<treeamr::GhostFiller>(
+      nodes, [&](const treeamr::TreeLeaf& leaf) { return part->isGhost(leaf); }));
+    treeamr::setPartition(*grid, { part->boxes(), piece });
+  }
 
-  const std::uint64_t progressStep = file.quadrantCount() / 50 + 1;
+  const std::uint64_t leafCount = part ? part->leafCount() : file.quadrantCount();
+  const std::uint64_t progressStep = leafCount / 50 + 1;
   std::uint64_t told = 0;
   builder.build(
-    file.quadrantCount(), input.blockQuadrants(),
+    leafCount, input.blockQuadrants(),
     [&](std::uint64_t begin, std::uint64_t end, treeamr::LeafBlock& block) {
-      input.readQuadrants(withPayload, begin, end, block);
+      const std::vector<treeamr::LeafRange> ranges =
+        part ? part->ranges(begin, end) : std::vector<treeamr::LeafRange>{ { begin, end } };
+      input.readQuadrants(withPayload, ranges, block);
     },
     [&](std::uint64_t done) {
       if (done - told >= progressStep)
       {
         told = done;
-        this->UpdateProgress(static_cast<double>(done) / static_cast<double>(file.quadrantCount()));
+        this->UpdateProgress(static_cast<double>(done) / static_cast<double>(leafCount));
       }
     });
   treeamr::setCornerRanges(*grid);

@@ -133,7 +133,7 @@ protected:
   bool GenerateLevel = false;
 
 private:
-  void Read(vtkHyperTreeGrid* grid);
+  void Read(vtkHyperTreeGrid* grid, int piece, int pieces);
   void SetSelectableArrays(const std::vector<std::string>& names);
   bool IsSelected(const std::string& name);
   void WarnOfUnknownArrays(const std::string& path, const std::vector<std::string>& names);

@@ -139,12 +139,12 @@ CellHistogram::CellHistogram(const std::array<int, 3>& roots, int level)
 {
 }
 
-void CellHistogram::add(const CellId& cell) noexcept
+void CellHistogram::add(const CellId& cell, double count) noexcept
 {
   const int up = std::max(0, cell.level - level_);
   const int down = std::max(0, level_ - cell.level);
   const Coord width = Coord(1) << down;
-  const double part = std::exp2(-3. * down);
+  const double part = count * std::exp2(-3. * down);
   const auto first = [&](int a) { return cell.index[a] >> up << down; };
   for (Coord z = first(2); z < first(2) + width; ++z)
   {

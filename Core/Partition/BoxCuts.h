@@ -25,7 +25,8 @@ public:
   /// At x + size[0] (y + size[1] z); what several processes have counted may be added up.
   std::vector<double>& counts() noexcept { return counts_; }
   const std::vector<double>& counts() const noexcept { return counts_; }
-  void add(const CellId& cell) noexcept;
+  /// count: of cells in that one.
+  void add(const CellId& cell, double count = 1.) noexcept;
 
 private:
   int level_;

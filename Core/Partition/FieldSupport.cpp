@@ -5,6 +5,8 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 
 namespace treeamr
@@ -37,13 +39,37 @@ constexpr std::array<unsigned, 27> touchingChildren = [] {
   return masks;
 }();
 
-/// What one thread finds.
-struct Found
+/// Of nodes, set by several threads.
+class Marks
 {
-  std::vector<CellId> needed;
-  std::vector<CellId> unknown;
-  std::vector<CellId> ofGradients; // whose leaves' values gradients take
+public:
+  explicit Marks(const Octree& octree)
+    : ofLeaf_(octree.leafCount(), 0)
+    , ofInner_(octree.innerCount(), 0)
+  {
+  }
+  /// Whether it was not there.
+  bool set(NodeRef node, std::uint8_t mark) noexcept
+  {
+    std::atomic_ref<std::uint8_t> marks(of(node));
+    return (marks.load(std::memory_order_relaxed) & mark) == 0 &&
+      (marks.fetch_or(mark, std::memory_order_relaxed) & mark) == 0;
+  }
+  bool has(NodeRef node, std::uint8_t mark) const noexcept
+  {
+    return ((node.isLeaf() ? ofLeaf_ : ofInner_)[node.index()] & mark) != 0;
+  }
+
+private:
+  std::uint8_t& of(NodeRef node) noexcept { return (node.isLeaf() ? ofLeaf_ : ofInner_)[node.index()]; }
+
+  std::vector<std::uint8_t> ofLeaf_;
+  std::vector<std::uint8_t> ofInner_;
 };
+
+constexpr std::uint8_t isNeeded = 1;    // with all below it
+constexpr std::uint8_t givesValues = 2; // to gradients in the box, from all leaves below
+constexpr std::uint8_t hasGivers = 4;   // below
 
 class Search
 {
@@ -53,40 +79,71 @@ public:
     , padding_(octree.grid().paddingDepth())
     , box_(box)
     , known_(known)
-    , ofGradients_(padding_)
+    , marks_(octree)
   {
   }
 
   FieldSupport run()
   {
-    forAllParts([this](TreePath& path, Found& found) { return visitBox(path, found); });
-    std::vector<CellId> values;
-    for (Found& found : found_)
+    forAllParts([this](const TreePath& path) { return visitBox(path); });
+    if (markWhereGiversAre(octree_.root(), { {}, -padding_ }))
     {
-      values.insert(values.end(), found.ofGradients.begin(), found.ofGradients.end());
-      found.ofGradients.clear();
-    }
-    ofGradients_ = CellSet(padding_, values);
-    tbb::parallel_for(std::size_t(0), ofGradients_.size(),
-      [this](std::size_t i) { require(ofGradients_[i], nodeAt(ofGradients_[i]), found_.local()); });
-    if (!ofGradients_.isEmpty())
-    {
-      forAllParts([this](TreePath& path, Found& found) { return visitGradients(path, found); });
+      forAllParts([this](const TreePath& path) { return visitGradients(path); });
     }
     FieldSupport support{ CellSet(padding_), CellSet(padding_) };
     std::vector<CellId> needed;
-    std::vector<CellId> unknown;
-    for (const Found& found : found_)
-    {
-      needed.insert(needed.end(), found.needed.begin(), found.needed.end());
-      unknown.insert(unknown.end(), found.unknown.begin(), found.unknown.end());
-    }
+    collectNeeded(octree_.root(), { {}, -padding_ }, needed);
     support.needed.add(needed);
+    std::vector<CellId> unknown;
+    for (const std::vector<CellId>& found : unknown_)
+    {
+      unknown.insert(unknown.end(), found.begin(), found.end());
+    }
     support.unknown.add(unknown);
     return support;
   }
 
 private:
+  bool markWhereGiversAre(NodeRef node, const CellId& cell)
+  {
+    if (node.isNone() || (cell.level >= 0 && box_.contains(cell)))
+    {
+      return false;
+    }
+    if (marks_.has(node, givesValues))
+    {
+      return true;
+    }
+    bool any = false;
+    for (int o = 0; node.isInner() && o < 8; ++o)
+    {
+      any =
+        markWhereGiversAre(octree_.child(node, o), { indexOfChild(cell.index, o), cell.level + 1 }) || any;
+    }
+    if (any)
+    {
+      marks_.set(node, hasGivers);
+    }
+    return any;
+  }
+
+  void collectNeeded(NodeRef node, const CellId& cell, std::vector<CellId>& needed) const
+  {
+    if (node.isNone() || (cell.level >= 0 && box_.contains(cell)))
+    {
+      return;
+    }
+    if (marks_.has(node, isNeeded))
+    {
+      needed.push_back(cell);
+      return;
+    }
+    for (int o = 0; node.isInner() && o < 8; ++o)
+    {
+      collectNeeded(octree_.child(node, o), { indexOfChild(cell.index, o), cell.level + 1 }, needed);
+    }
+  }
+
   CellId cellOf(const TreePath& path) const noexcept { return { path.index(), path.depth() - padding_ }; }
   CellId cellOf(const TreePath& path, const std::array<int, 3>& offset) const noexcept
   {
@@ -140,8 +197,8 @@ private:
     return node;
   }
 
-  /// Visits the nodes that visit(path, found) is true of, from the root down, and their children. Nodes at the box's
-  /// level are shared out among threads.
+  /// Visits the nodes that visit(path) is true of, from the root down, and their children. Nodes at the box's level are
+  /// shared out among threads.
   template <class Visit>
   void forAllParts(const Visit& visit)
   {
@@ -149,7 +206,7 @@ private:
     {
       TreePath path(octree_);
       std::vector<std::uint8_t> way;
-      walk(path, visit, found_.local(), [&](const TreePath& at) {
+      walk(path, visit, [&](const TreePath& at) {
         way.clear();
         for (int up = at.depth() - 1; up >= 0; --up)
         {
@@ -169,42 +226,45 @@ private:
       {
         path.descend(octant);
       }
-      walk(path, visit, found_.local(), [](const TreePath&) { return false; });
+      walk(path, visit, [](const TreePath&) { return false; });
     });
   }
   template <class Visit, class IsLeftOut>
-  void walk(TreePath& path, const Visit& visit, Found& found, const IsLeftOut& isLeftOut) const
+  static void walk(TreePath& path, const Visit& visit, const IsLeftOut& isLeftOut)
   {
-    if (isLeftOut(path) || !visit(path, found) || !path.node().isInner())
+    if (isLeftOut(path) || !visit(path) || !path.node().isInner())
     {
       return;
     }
     for (int o = 0; o < 8; ++o)
     {
       path.descend(o);
-      walk(path, visit, found, isLeftOut);
+      walk(path, visit, isLeftOut);
       path.ascend();
     }
   }
 
-  /// A place and all below it.
-  void require(const CellId& cell, NodeRef node, Found& found) const
+  /// A place and all below it, or the larger leaf around.
+  void require(const CellId& cell, NodeRef node)
   {
     if (!isInDomain(cell) || box_.contains(cell))
     {
       return;
     }
-    if (node.isLeaf())
+    if (node.isNone())
     {
-      const int up = padding_ + cell.level - node.depth(); // a larger one is around the place
-      found.needed.push_back(
-        { { cell.index[0] >> up, cell.index[1] >> up, cell.index[2] >> up }, cell.level - up });
-      return;
+      requireKnown(cell);
     }
-    found.needed.push_back(cell);
+    else if (marks_.set(node, isNeeded) && node.isInner())
+    {
+      requireKnown(cell);
+    }
+  }
+  void requireKnown(const CellId& cell)
+  {
     if (!isKnown(cell))
     {
-      found.unknown.push_back(cell);
+      unknown_.local().push_back(cell);
     }
   }
 
@@ -216,7 +276,7 @@ private:
   }
 
   /// What the values in a leaf take, and those that hang on a larger leaf beside a node.
-  void requireAround(const TreePath& path, bool hangs, Found& found) const
+  void requireAround(const TreePath& path, bool hangs)
   {
     const Neighbourhood& around = path.around(path.depth());
     for (int e = 0; e < 27; ++e)
@@ -224,7 +284,7 @@ private:
       const CellId cell = cellOf(path, offsetOf(e));
       if (hangs || around[e].isLeaf())
       {
-        require(cell, around[e], found);
+        require(cell, around[e]);
         continue;
       }
       if (!isInDomain(cell))
@@ -236,7 +296,7 @@ private:
         const int o = std::countr_zero(rest);
         const NodeRef child =
           around[e].isInner() ? octree_.children(around[e].index()).node(o, path.depth() + 1) : NodeRef{};
-        require({ indexOfChild(cell.index, o), cell.level + 1 }, child, found);
+        require({ indexOfChild(cell.index, o), cell.level + 1 }, child);
       }
     }
   }
@@ -257,32 +317,37 @@ private:
     return full;
   }
 
-  void addOfGradients(const CellId& cell, Found& found) const
+  void requireValues(const CellId& cell, NodeRef node)
   {
-    if (isInDomain(cell) && !box_.contains(cell))
+    if (!isInDomain(cell) || box_.contains(cell))
     {
-      found.ofGradients.push_back(cell);
+      return;
+    }
+    require(cell, node);
+    if (!node.isNone())
+    {
+      marks_.set(node, givesValues);
     }
   }
   /// Gradients take values a leaf's width away, or that of a larger leaf, which is twice a node's width, from the node's
   /// vertices: on the far faces of the nodes one or two steps along each axis. Where these lack cells, of what is around.
-  void requireGradients(const TreePath& path, bool hangs, Found& found) const
+  void requireGradients(const TreePath& path, bool hangs)
   {
     for (const int e : { 12, 14, 10, 16, 4, 22 }) // across the faces
     {
       const std::array<int, 3> step = offsetOf(e);
       const CellId next = cellOf(path, step);
-      requireAhead(next, path.around(path.depth())[e], step, found);
+      requireAhead(next, path.around(path.depth())[e], step);
       if (hangs)
       {
         const CellId second = moved(next, step);
-        requireAhead(second, isInDomain(second) ? nodeAt(second) : NodeRef{}, step, found);
+        requireAhead(second, isInDomain(second) ? nodeAt(second) : NodeRef{}, step);
       }
     }
   }
-  void requireAhead(const CellId& cell, NodeRef node, const std::array<int, 3>& step, Found& found) const
+  void requireAhead(const CellId& cell, NodeRef node, const std::array<int, 3>& step)
   {
-    addOfGradients(cell, found);
+    requireValues(cell, node);
     if (isFull(node) || !isInDomain(cell) || !isKnown(cell))
     {
       return;
@@ -292,7 +357,8 @@ private:
       const std::array<int, 3> offset = offsetOf(e);
       if (offset[0] * step[0] + offset[1] * step[1] + offset[2] * step[2] >= 0)
       {
-        addOfGradients(moved(cell, offset), found);
+        const CellId beside = moved(cell, offset);
+        requireValues(beside, isInDomain(beside) ? nodeAt(beside) : NodeRef{});
       }
     }
   }
@@ -312,7 +378,7 @@ private:
     return !box_.contains(first) || !box_.contains(last);
   }
 
-  bool visitBox(const TreePath& path, Found& found) const
+  bool visitBox(const TreePath& path)
   {
     const CellId cell = cellOf(path);
     if (cell.level < 0)
@@ -326,27 +392,42 @@ private:
     const bool hangs = touchesLarger(path);
     if (hangs || path.node().isLeaf())
     {
-      requireAround(path, hangs, found);
-      requireGradients(path, hangs, found);
+      requireAround(path, hangs);
+      requireGradients(path, hangs);
     }
     return true;
   }
 
-  bool visitGradients(const TreePath& path, Found& found) const
+  /// Whether a node, or one that it lies in, gives values.
+  bool isBelowGiver(const TreePath& path) const noexcept
+  {
+    for (int depth = padding_; depth <= path.depth(); ++depth)
+    {
+      const NodeRef node = path.around(depth)[13];
+      if (marks_.has(node, givesValues))
+      {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  bool visitGradients(const TreePath& path)
   {
     const CellId cell = cellOf(path);
-    if (cell.level < 0)
-    {
-      return true;
-    }
-    if (path.node().isNone() || !ofGradients_.meets(cell))
+    const NodeRef node = path.node();
+    if (node.isNone() || (cell.level >= 0 && box_.contains(cell)) ||
+      !(marks_.has(node, hasGivers) || isBelowGiver(path)))
     {
       return false;
     }
-    const bool hangs = touchesLarger(path);
-    if (hangs || path.node().isLeaf())
+    if (cell.level >= 0)
     {
-      requireAround(path, hangs, found);
+      const bool hangs = touchesLarger(path);
+      if (hangs || node.isLeaf())
+      {
+        requireAround(path, hangs);
+      }
     }
     return true;
   }
@@ -355,8 +436,8 @@ private:
   int padding_;
   const LatticeBox& box_;
   const CellSet& known_;
-  CellSet ofGradients_;
-  tbb::enumerable_thread_specific<Found> found_;
+  Marks marks_;
+  tbb::enumerable_thread_specific<std::vector<CellId>> unknown_;
 };
 
 } // namespace

@@ -250,19 +250,26 @@ PayloadReading ForestInput::guessBlocks() const
   return reading;
 }
 
-void ForestInput::readQuadrants(
-  bool withPayload, std::uint64_t begin, std::uint64_t end, LeafBlock& block) const
+void ForestInput::readQuadrants(bool withPayload, std::span<const LeafRange> ranges, LeafBlock& block) const
 {
-  forest_.readQuadrants(begin, end, block);
+  forest_.readQuadrants(ranges, block);
   if (!withPayload || !cells_ || cells_->blocks().empty())
   {
     return;
   }
   const QuadrantRecords records = cells_->records();
-  records.read(begin, end - begin, block.payloads);
+  block.payloads.resize(block.leaves.size() * records.recordBytes());
+  std::byte* payload = block.payloads.data();
+  for (const LeafRange& range : ranges)
+  {
+    records.read(range.begin, range.count(), payload);
+    payload += range.count() * records.recordBytes();
+  }
+  payload = block.payloads.data();
   for (TreeLeaf& leaf : block.leaves)
   {
-    leaf.payload = block.payloads.data() + (leaf.number - begin) * records.recordBytes();
+    leaf.payload = payload;
+    payload += records.recordBytes();
     cells_->checkStatus(leaf.number, leaf.payload);
   }
 }

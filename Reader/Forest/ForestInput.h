@@ -6,6 +6,7 @@
 #include "Forest/PayloadLayout.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ public:
   /// Throws Error for one that is wrong, or not of as many bytes as the file has.
   PayloadReading readPayload(const std::string& text) const;
   /// As P4estForestFile. withPayload: whether leaves have theirs, which takes time where it is in a file of its own.
-  void readQuadrants(bool withPayload, std::uint64_t begin, std::uint64_t end, LeafBlock& block) const;
+  void readQuadrants(bool withPayload, std::span<const LeafRange> ranges, LeafBlock& block) const;
   std::uint64_t blockQuadrants() const noexcept;
 
 private:

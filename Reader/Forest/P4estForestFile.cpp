@@ -513,21 +513,41 @@ bool P4estForestFile::hasMagic(const std::string& path) noexcept
   }
 }
 
-void P4estForestFile::readQuadrants(std::uint64_t begin, std::uint64_t end, LeafBlock& block) const
+void P4estForestFile::readQuadrants(std::span<const LeafRange> ranges, LeafBlock& block) const
+{
+  const std::size_t recordBytes = Record::bytes(dimension_) + payloadSize_;
+  std::uint64_t count = 0;
+  for (const LeafRange& range : ranges)
+  {
+    count += range.count();
+  }
+  block.bytes.resize((count + ranges.size()) * recordBytes); // of each range the one before, too
+  block.leaves.clear();
+  block.leaves.reserve(count);
+  P4estInputFile file(path_);
+  std::byte* bytes = block.bytes.data();
+  for (const LeafRange& range : ranges)
+  {
+    appendQuadrants(file, range, bytes, block);
+    bytes += (range.count() + 1) * recordBytes;
+  }
+}
+
+/// bytes: for those of all and of the one before.
+void P4estForestFile::appendQuadrants(
+  P4estInputFile& file, const LeafRange& range, std::byte* bytes, LeafBlock& block) const
 {
   const std::size_t placeBytes = Record::bytes(dimension_);
   const std::size_t recordBytes = placeBytes + payloadSize_;
   auto tree = static_cast<std::int32_t>(
-    std::upper_bound(treeEnds_.begin(), treeEnds_.end(), begin) - treeEnds_.begin());
+    std::upper_bound(treeEnds_.begin(), treeEnds_.end(), range.begin) - treeEnds_.begin());
   std::uint64_t treeBegin = treeEnds_[tree] - quadrantCount(tree);
-  const bool isAmidTree = begin > treeBegin; // the one before says where the first one has to be
+  const bool isAmidTree = range.begin > treeBegin; // the one before says where the first one has to be
 
-  P4estInputFile file(path_);
-  const std::uint64_t first = begin - (isAmidTree ? 1 : 0);
+  const std::uint64_t first = range.begin - (isAmidTree ? 1 : 0);
   file.seek(quadrantsOffset_ + first * recordBytes);
-  block.bytes.resize((end - first) * recordBytes);
-  file.read(block.bytes.data(), block.bytes.size(), "quadrants");
-  const std::byte* next = block.bytes.data();
+  file.read(bytes, (range.end - first) * recordBytes, "quadrants");
+  const std::byte* next = bytes;
 
   MortonWalk walk(rootBits_, dimension_);
   if (isAmidTree)
@@ -535,9 +555,7 @@ void P4estForestFile::readQuadrants(std::uint64_t begin, std::uint64_t end, Leaf
     walk.start(file, Record::from(next, dimension_), tree, first - treeBegin);
     next += recordBytes;
   }
-  block.leaves.clear();
-  block.leaves.reserve(end - begin);
-  for (std::uint64_t quadrant = begin; quadrant < end; ++quadrant, next += recordBytes)
+  for (std::uint64_t quadrant = range.begin; quadrant < range.end; ++quadrant, next += recordBytes)
   {
     if (quadrant == treeEnds_[tree])
     {
@@ -572,7 +590,8 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
   LeafBlock block;
   for (std::uint64_t begin = 0; begin < quadrantCount(); begin += block.leaves.size())
   {
-    readQuadrants(begin, std::min(quadrantCount(), begin + blockCount), block);
+    const LeafRange range{ begin, std::min(quadrantCount(), begin + blockCount) };
+    readQuadrants({ &range, 1 }, block);
     for (const TreeLeaf& leaf : block.leaves)
     {
       visit(leaf);
@@ -586,6 +605,62 @@ void P4estForestFile::samplePayloads(
   const std::size_t placeBytes = Record::bytes(dimension_);
   P4estInputFile(path_).sampleRecords(quadrantsOffset_, placeBytes + payloadSize_, quadrantCount(), count,
     "quadrants", [&](const std::byte* record) { visit(record + placeBytes); });
+}
+
+QuadrantSearch::QuadrantSearch(const P4estForestFile& file)
+  : file_(file)
+  , input_(std::make_unique<P4estInputFile>(file.path_))
+  , pages_(pageCount)
+{
+}
+
+QuadrantSearch::~QuadrantSearch() = default;
+
+int QuadrantSearch::childOf(std::uint64_t quadrant, int level)
+{
+  const std::size_t placeBytes = Record::bytes(file_.dimension_);
+  const std::size_t recordBytes = placeBytes + file_.payloadSize_;
+  const std::uint64_t number = quadrant / pageQuadrants;
+  Page& page = pages_[number % pageCount];
+  if (page.number != number)
+  {
+    const std::uint64_t first = number * pageQuadrants;
+    const std::uint64_t count = std::min(pageQuadrants, file_.quadrantCount() - first);
+    page.number = ~std::uint64_t(0); // while it is not read
+    bytes_.resize(count * recordBytes);
+    input_->seek(file_.quadrantsOffset_ + first * recordBytes);
+    input_->read(bytes_.data(), bytes_.size(), "quadrants");
+    for (std::uint64_t i = 0; i < count; ++i)
+    {
+      page.anchors[i] = Record::from(bytes_.data() + i * recordBytes, file_.dimension_).anchor;
+    }
+    page.number = number;
+  }
+  const std::array<std::int32_t, 3>& anchor = page.anchors[quadrant % pageQuadrants];
+  const int down = file_.rootBits_ - level - 1;
+  return down < 0 ? 0 : (anchor[0] >> down & 1) | (anchor[1] >> down & 1) << 1 | (anchor[2] >> down & 1) << 2;
+}
+
+LeafRange QuadrantSearch::child(const LeafRange& range, int level, int octant)
+{
+  const auto firstFrom = [&](std::uint64_t begin, int least) {
+    std::uint64_t end = range.end;
+    while (begin < end)
+    {
+      const std::uint64_t middle = begin + (end - begin) / 2;
+      if (childOf(middle, level) < least)
+      {
+        begin = middle + 1;
+      }
+      else
+      {
+        end = middle;
+      }
+    }
+    return begin;
+  };
+  const std::uint64_t begin = firstFrom(range.begin, octant);
+  return { begin, octant == 7 ? range.end : firstFrom(begin, octant + 1) };
 }
 
 } // namespace treeamr

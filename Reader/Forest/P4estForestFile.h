@@ -25,11 +25,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace treeamr
 {
+
+class P4estInputFile;
 
 /// Where the trees are: all of the connectivity that is kept. The other tables are only checked. Those of two dimensions are
 /// as boxes over the plane, whose first four corners are the tree's own.
@@ -85,10 +89,10 @@ public:
   /// Bytes per quadrant; 0 when the forest was saved without data.
   std::size_t payloadSize() const noexcept { return payloadSize_; }
 
-  /// Reads the quadrants [begin, end), tree by tree in Morton order, of any number of ranges at once on as many threads. Each
-  /// is checked beside the one before it: a level out of range, a place off its level's lattice, a gap, an overlap or
-  /// a false order is an Error. What was read is right when all ranges up to it are.
-  void readQuadrants(std::uint64_t begin, std::uint64_t end, LeafBlock& block) const;
+  /// Reads the quadrants of ascending ranges, tree by tree in Morton order, on any number of threads at once. Each is checked
+  /// beside the one before it: a level out of range, a place off its level's lattice, a gap, an overlap or a false order is an
+  /// Error. What was read is right when all up to it is.
+  void readQuadrants(std::span<const LeafRange> ranges, LeafBlock& block) const;
   /// As many as make a range of about half a MiB.
   std::uint64_t blockQuadrants() const noexcept;
 
@@ -100,6 +104,11 @@ public:
   void samplePayloads(std::uint64_t count, const std::function<void(const std::byte*)>& visit) const;
 
 private:
+  friend class QuadrantSearch;
+
+  void appendQuadrants(
+    P4estInputFile& file, const LeafRange& range, std::byte* bytes, LeafBlock& block) const;
+
   std::string path_;
   int dimension_ = 3;
   P4estConnectivity connectivity_;
@@ -107,6 +116,35 @@ private:
   std::size_t payloadSize_ = 0;
   std::uint64_t quadrantsOffset_ = 0; // bytes
   int rootBits_ = 0;                  // a tree is 2^rootBits coordinates wide
+};
+
+/// Finds by bisection which quadrants lie where, in the order of their trees. For one thread: it keeps the pages it has read.
+class QuadrantSearch
+{
+public:
+  /// file: must live as long. Throws Error when it cannot be opened again.
+  explicit QuadrantSearch(const P4estForestFile& file);
+  ~QuadrantSearch();
+
+  /// range: of all quadrants in a node of a level of some tree, more than one. Those in one of its children. Throws Error when
+  /// they cannot be read; of a file whose quadrants are not in order it gives any.
+  LeafRange child(const LeafRange& range, int level, int octant);
+
+private:
+  static constexpr std::uint64_t pageQuadrants = 128;
+  static constexpr std::size_t pageCount = 64;
+  struct Page
+  {
+    std::uint64_t number = ~std::uint64_t(0);
+    std::array<std::array<std::int32_t, 3>, pageQuadrants> anchors;
+  };
+
+  int childOf(std::uint64_t quadrant, int level);
+
+  const P4estForestFile& file_;
+  std::unique_ptr<P4estInputFile> input_;
+  std::vector<Page> pages_; // by number modulo their count
+  std::vector<std::byte> bytes_;
 };
 
 } // namespace treeamr

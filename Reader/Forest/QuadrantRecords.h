@@ -29,12 +29,11 @@ public:
   std::size_t recordBytes() const noexcept { return recordBytes_; }
   /// Those of quadrants from `first` on, one after the other, on any number of threads at once. Throws Error where the
   /// file ends before.
-  void read(std::uint64_t first, std::uint64_t count, std::vector<std::byte>& bytes) const
+  void read(std::uint64_t first, std::uint64_t count, std::byte* bytes) const
   {
-    bytes.resize(count * recordBytes_);
     std::ifstream stream(path_, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(begin_ + first * recordBytes_));
-    if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
+    if (!stream.read(reinterpret_cast<char*>(bytes), static_cast<std::streamsize>(count * recordBytes_)))
     {
       throw Error(
         path_ + ": values of quadrant " + std::to_string(first) + " and those after it cannot be read");
@@ -48,7 +47,8 @@ public:
     std::vector<std::byte> block;
     for (const std::uint64_t end = first + count; first < end; first += std::min(most, end - first))
     {
-      read(first, std::min(most, end - first), block);
+      block.resize(std::min(most, end - first) * recordBytes_);
+      read(first, block.size() / recordBytes_, block.data());
       for (const std::byte* record = block.data(); record != block.data() + block.size();
            record += recordBytes_)
       {

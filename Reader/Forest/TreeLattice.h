@@ -2,8 +2,10 @@
 #pragma once
 
 #include "Error.h"
+#include "Octree/RootGrid.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -75,6 +77,21 @@ public:
     return orientations_.empty() ? alongAxes : orientations_[tree];
   }
   std::int32_t treeCount() const noexcept { return static_cast<std::int32_t>(places_.size()); }
+  /// Of a node of a tree, at its index along the tree's own axes, in three dimensions.
+  CellId cellOf(std::int32_t tree, const std::array<std::uint32_t, 3>& index, int level) const noexcept
+  {
+    const TreeOrientation& corners = orientation(tree);
+    const Coord last = (Coord(1) << level) - 1;
+    CellId cell{ {}, level };
+    for (int a = 0; a < 3; ++a)
+    {
+      const int axis =
+        std::countr_zero(static_cast<unsigned>(corners[1u << a] ^ corners[0])); // of the lattice
+      const Coord along = corners[0] >> axis & 1 ? last - Coord(index[a]) : Coord(index[a]);
+      cell.index[axis] = (Coord(place(tree)[axis]) << level) + along;
+    }
+    return cell;
+  }
 
 private:
   std::array<std::vector<double>, 3> planes_;

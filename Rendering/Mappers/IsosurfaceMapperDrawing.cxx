@@ -81,7 +81,7 @@ treeamr::SurfaceActorView& vtkTreeAMRIsosurfaceMapper::FindView(
   pose.height = viewport.Height;
   pose.clipFromData = treeamr::clipFromData(renderer, actor);
   pose.viewFromData = treeamr::viewFromData(renderer, actor);
-  pose.cut.halfSpaces = treeamr::convertClippingPlanes(this, actor);
+  pose.cut = treeamr::cutOf(this, actor);
   if (pose.layers != layers)
   {
     view.sampleDistances = {};

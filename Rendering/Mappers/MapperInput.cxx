@@ -2,6 +2,8 @@
 
 #include "CornerArrays.h"
 #include "Error.h"
+#include "GridPartition.h"
+#include "SceneConversion.h"
 
 #include "vtkAbstractMapper.h"
 #include "vtkBitArray.h"
@@ -232,6 +234,17 @@ void BoundsSlot::get(vtkHyperTreeGrid* grid, double bounds[6])
     time_ = time;
   }
   std::copy(bounds_.begin(), bounds_.end(), bounds);
+}
+
+DataCut cutOf(vtkAbstractMapper* mapper, vtkProp3D* prop)
+{
+  DataCut cut{ convertClippingPlanes(mapper, prop), {} };
+  if (vtkHyperTreeGrid* grid = inputGrid(mapper))
+  {
+    const std::vector<HalfSpace> faces = partitionFaces(*grid);
+    cut.halfSpaces.insert(cut.halfSpaces.end(), faces.begin(), faces.end());
+  }
+  return cut;
 }
 
 const char* describe(const std::exception& error)

@@ -5,6 +5,7 @@
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
 
+#include "Geometry/RayStops.h"
 #include "Surface/Isosurface.h"
 
 #include "vtkType.h"
@@ -15,8 +16,10 @@
 #include <string>
 #include <vector>
 
+class vtkAbstractMapper;
 class vtkAlgorithm;
 class vtkHyperTreeGrid;
+class vtkProp3D;
 
 namespace treeamr
 {
@@ -88,6 +91,9 @@ private:
   vtkMTimeType time_ = 0;
   std::array<double, 6> bounds_{ 1., -1., 1., -1., 1., -1. };
 };
+
+/// Where a mapper draws: within its clipping planes, and in parallel in the box of its grid (GridPartition.h).
+DataCut cutOf(vtkAbstractMapper* mapper, vtkProp3D* prop);
 
 /// What to tell the user of whatever ended a frame.
 const char* describe(const std::exception& error);

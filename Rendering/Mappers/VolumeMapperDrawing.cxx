@@ -304,9 +304,10 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   {
     scene.surfaces.clear();
   }
+  treeamr::DataCut cut = treeamr::cutOf(this, volume);
+  cut.cropping = treeamr::convertCropping(this);
   Picture picture{ renderer, volume, vtkTreeAMRTarget::GetViewport(renderer), isWhole, isPeeling,
-    this->PrepareVolume(renderer, volume),
-    { treeamr::convertClippingPlanes(this, volume), treeamr::convertCropping(this) },
+    this->PrepareVolume(renderer, volume), std::move(cut),
     { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
   if (picture.HasVolume || !picture.Actors.isEmpty())
   {

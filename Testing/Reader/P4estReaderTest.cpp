@@ -192,58 +192,6 @@ void expectBoxes(vtkHyperTreeGrid* grid, const std::map<Box, double>& expected)
   EXPECT_EQ(count, expected.size());
 }
 
-/// Of the unit cube: all 48 turned and reflected ones, or the turned ones alone.
-std::vector<ForestWriter::Corners> turnedCubes(bool reflectedToo)
-{
-  std::vector<ForestWriter::Corners> cubes;
-  std::array<std::size_t, 3> axes{ 0, 1, 2 };
-  do
-  {
-    const bool isEven = (axes[0] < axes[1]) == ((axes[1] < axes[2]) == (axes[0] < axes[2]));
-    for (int flips = 0; flips < 8; ++flips)
-    {
-      if (!reflectedToo && (std::popcount(static_cast<unsigned>(flips)) % 2 == 0) != isEven)
-      {
-        continue;
-      }
-      ForestWriter::Corners& corners = cubes.emplace_back();
-      for (int c = 0; c < 8; ++c)
-      {
-        for (std::size_t a = 0; a < 3; ++a)
-        {
-          corners[static_cast<std::size_t>(c)][axes[a]] = (c ^ flips) >> a & 1;
-        }
-      }
-    }
-  }
-  while (std::ranges::next_permutation(axes).found);
-  return cubes;
-}
-
-void move(ForestWriter::Corners& corners, const ForestWriter::Point& by)
-{
-  for (ForestWriter::Point& corner : corners)
-  {
-    std::ranges::transform(corner, by, corner.begin(), std::plus());
-  }
-}
-
-/// A wall of three by two by two trees with one left out, each turned in any way.
-ForestWriter turnedWall()
-{
-  const std::vector<ForestWriter::Corners> cubes = turnedCubes(false);
-  EXPECT_EQ(cubes.size(), 24u);
-  std::mt19937 random(5);
-  std::vector<ForestWriter::Corners> trees;
-  for (int i = 0; i < 11; ++i)
-  {
-    trees.push_back(cubes[random() % cubes.size()]);
-    move(trees.back(),
-      { static_cast<double>(i % 3), static_cast<double>(i / 3 % 2), static_cast<double>(i / 6) });
-  }
-  return ForestWriter::joinedTrees(trees);
-}
-
 ForestWriter turnedRow()
 {
   std::vector<ForestWriter::Corners> trees = turnedCubes(true);
