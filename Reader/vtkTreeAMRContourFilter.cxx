@@ -10,6 +10,7 @@
 
 #include "Contour/Contour.h"
 #include "Error.h"
+#include "GridPartition.h"
 #include "Interpolation/Sampler.h"
 #include "Surface/SurfaceFrame.h"
 
@@ -393,6 +394,10 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   vtkIdType triangles = 0;
   treeamr::ContourOptions options;
   options.gradients = this->ComputeNormals || this->ComputeGradients;
+  if (const auto partition = treeamr::partitionOf(*input))
+  {
+    options.box = partition->box();
+  }
   for (std::size_t i = 0; i < surfaces.size(); ++i)
   {
     options.progress = [&](double done) {

@@ -36,11 +36,12 @@ OctantPlanes octantPlanes(const RootGrid& grid, const std::array<Coord, 3>& inde
   return planes;
 }
 
-BlockContour::BlockContour(const Field& field, double isovalue)
+BlockContour::BlockContour(const Field& field, double isovalue, const std::optional<LatticeBox>& box)
   : octree_(field.octree())
   , field_(field)
   , isovalue_(isovalue)
-  , noneMissing_(hasAllCells(octree_))
+  , box_(box)
+  , noneMissing_(!box && hasAllCells(octree_))
   , wholeLeaves_(field.corners() != nullptr)
   , finestDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() + 1)
   , evaluator_(field)
@@ -64,7 +65,7 @@ void BlockContour::extract(TreePath& path, ContourPart& part)
     {
       if (!started_)
       {
-        start(path.index(), path.depth(), children.inner() == 0, part);
+        start(path.index(), path.depth(), children.allLeaves(), part);
         if (!wholeLeaves_)
         {
           dualCells_.find(path, field_);
@@ -336,9 +337,22 @@ void BlockContour::extractPiece(const Piece& piece, unsigned finer, ContourPart&
       }
     }
   }
-  if (finer == 0)
+  if (finer != 0)
+  {
+    return;
+  }
+  if (!box_ || owns(*box_, key, octree_.grid().paddingDepth()))
   {
     fillLoops(piece, next, part);
+    return;
+  }
+  // Where an edge is crossed the largest piece around says, whoever owns it.
+  for (int edge = 0; edge < 12; ++edge)
+  {
+    if (next[edge] >= 0)
+    {
+      pointOn(piece, edge, part);
+    }
   }
 }
 

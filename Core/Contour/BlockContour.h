@@ -52,7 +52,7 @@ OctantPlanes octantPlanes(const RootGrid& grid, const std::array<Coord, 3>& inde
 class BlockContour
 {
 public:
-  BlockContour(const Field& field, double isovalue);
+  BlockContour(const Field& field, double isovalue, const std::optional<LatticeBox>& box);
 
   /// Of the leaves among the children of the inner node at the path's end.
   void extract(TreePath& path, ContourPart& part);
@@ -109,7 +109,8 @@ private:
   const Octree& octree_;
   const Field& field_;
   double isovalue_;
-  bool noneMissing_; // cells of the domain
+  std::optional<LatticeBox> box_;
+  bool noneMissing_; // cells of the domain; false where others hold some, for all of them are to do the same
   bool wholeLeaves_; // are trilinear
   int finestDepth_;  // of the finest octants
   BlockEvaluator evaluator_;

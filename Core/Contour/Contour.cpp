@@ -57,13 +57,13 @@ struct Task
 class Extraction
 {
 public:
-  Extraction(const Field& field, double isovalue)
+  Extraction(const Field& field, double isovalue, const std::optional<LatticeBox>& box)
     : field_(field)
     , ranges_(field.nodeRanges())
     , octree_(field.octree())
     , isovalue_(isovalue)
     , subtreeDepth_(octree_.grid().paddingDepth() + octree_.leafLevels() - 4)
-    , blocks_([=, &field] { return BlockContour(field, isovalue); })
+    , blocks_([=, &field] { return BlockContour(field, isovalue, box); })
   {
   }
 
@@ -336,6 +336,50 @@ ContourMesh assemble(int octantDepth, std::vector<ContourPart>& parts)
   return mesh;
 }
 
+/// Those of pieces that others own.
+void removeUnusedPoints(ContourMesh& mesh)
+{
+  std::vector<std::int64_t> numbers(
+    mesh.points.size() + 1, 0); // 1 for those that are used, then how many come before
+  for (const auto& triangle : mesh.triangles)
+  {
+    for (const std::int64_t point : triangle)
+    {
+      numbers[point] = 1;
+    }
+  }
+  std::int64_t count = 0;
+  for (std::size_t p = 0; p < numbers.size(); ++p)
+  {
+    const bool isUsed = numbers[p] != 0;
+    numbers[p] = count;
+    if (isUsed)
+    {
+      mesh.points[count++] = mesh.points[p];
+    }
+  }
+  mesh.points.resize(count);
+  for (auto& triangle : mesh.triangles)
+  {
+    for (std::int64_t& point : triangle)
+    {
+      point = numbers[point];
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+  {
+    ContourMesh::Block block = mesh.blocks[b];
+    const std::int64_t end = b + 1 < mesh.blocks.size() ? numbers[mesh.blocks[b + 1].firstPoint] : count;
+    block.firstPoint = numbers[block.firstPoint];
+    if (block.firstPoint < end)
+    {
+      mesh.blocks[kept++] = block;
+    }
+  }
+  mesh.blocks.resize(kept);
+}
+
 } // namespace
 
 ContourMesh contour(const Field& field, double isovalue, const ContourOptions& options)
@@ -345,7 +389,7 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
     throw Error("contour: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
   }
   const auto goesOn = [&](double done) { return !options.progress || options.progress(done); };
-  Extraction extraction(field, isovalue - field.offset());
+  Extraction extraction(field, isovalue - field.offset(), options.box);
   const std::vector<Task> tasks = extraction.tasks();
   std::vector<ContourPart> parts(tasks.size());
   constexpr std::size_t steps = 8;
@@ -361,7 +405,11 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
   ContourMesh mesh = assemble(octantDepth(field.octree()), parts);
   auto lines = concatenated(parts, &ContourPart::lines);
   const auto values = concatenated(parts, &ContourPart::values);
-  closeTransitions(field.octree().grid(), octantDepth(field.octree()), lines, values, mesh);
+  closeTransitions(field.octree().grid(), octantDepth(field.octree()), options.box, lines, values, mesh);
+  if (options.box)
+  {
+    removeUnusedPoints(mesh);
+  }
   mesh.octree = field.octree().identity();
   if (options.gradients)
   {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "Field/Field.h"
+#include "Partition/LatticeBox.h"
 
 #include <array>
 #include <cstdint>
@@ -38,6 +39,9 @@ struct ContourMesh
 struct ContourOptions
 {
   bool gradients = false;
+  /// The part of one of many processes, which holds what FieldSupport.h says: the parts of boxes that fill the domain make the
+  /// surface, each triangle once, with the same points, bit for bit. None: all of it.
+  std::optional<LatticeBox> box = {};
   /// Called now and then by the calling thread with the share that is done, 0 to 1; false: stop.
   std::function<bool(double)> progress = {};
 };

@@ -297,8 +297,8 @@ void append(std::vector<Closed>& closed, ContourMesh& mesh)
 
 } // namespace
 
-void closeTransitions(const RootGrid& grid, int octantDepth, std::vector<TransitionLine>& lines,
-  const std::vector<PieceValues>& values, ContourMesh& mesh)
+void closeTransitions(const RootGrid& grid, int octantDepth, const std::optional<LatticeBox>& box,
+  std::vector<TransitionLine>& lines, const std::vector<PieceValues>& values, ContourMesh& mesh)
 {
   sortByPlace(lines, octantDepth, [=](const TransitionLine& line) {
     std::array<Coord, 3> place = line.piece.index;
@@ -321,7 +321,7 @@ void closeTransitions(const RootGrid& grid, int octantDepth, std::vector<Transit
       {
         ++end;
       }
-      if (isFirst(l))
+      if (isFirst(l) && (!box || owns(*box, lines[l].piece, grid.paddingDepth())))
       {
         closing.close({ lines.data() + l, end - l });
       }

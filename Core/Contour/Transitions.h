@@ -54,9 +54,20 @@ struct TransitionLine
   }
 };
 
-/// Adds the triangles within the pieces that the lines lie on. octantDepth: of the finest octants. Sorts the
-/// lines.
-void closeTransitions(const RootGrid& grid, int octantDepth, std::vector<TransitionLine>& lines,
-  const std::vector<PieceValues>& values, ContourMesh& mesh);
+/// Whether a box owns a piece: it has the middle.
+inline bool owns(const LatticeBox& box, const PieceKey& piece, int padding) noexcept
+{
+  CellId middle{ {}, piece.depth + 1 - padding };
+  for (int a = 0; a < 3; ++a)
+  {
+    middle.index[a] = 2 * piece.index[a] + piece.width;
+  }
+  return box.owns(middle);
+}
+
+/// Adds the triangles within the pieces that the lines lie on, of a box within those that it owns. octantDepth: of the finest
+/// octants. Sorts the lines.
+void closeTransitions(const RootGrid& grid, int octantDepth, const std::optional<LatticeBox>& box,
+  std::vector<TransitionLine>& lines, const std::vector<PieceValues>& values, ContourMesh& mesh);
 
 } // namespace treeamr

@@ -385,7 +385,7 @@ private:
     {
       return true;
     }
-    if (path.node().isNone() || !box_.meets(cell) || !dependsOnOutside(cell))
+    if (path.node().isNone() || !box_.reaches(cell) || !dependsOnOutside(cell))
     {
       return false;
     }
@@ -395,7 +395,38 @@ private:
       requireAround(path, hangs);
       requireGradients(path, hangs);
     }
+    requireBlocks(path);
     return true;
+  }
+
+  /// Contours join octants between blocks of eight leaves (DualCells.h): those around the block of a leaf are to be held if
+  /// they are such.
+  void requireBlocks(const TreePath& path)
+  {
+    if (!path.node().isInner() || octree_.children(path.node().index()).leaf == 0)
+    {
+      return;
+    }
+    const Neighbourhood& around = path.around(path.depth());
+    for (int e = 0; e < 27; ++e)
+    {
+      const CellId block = cellOf(path, offsetOf(e));
+      const Octree::Children children =
+        around[e].isInner() ? octree_.children(around[e].index()) : Octree::Children{};
+      if (!around[e].isInner() || children.inner() != 0 || box_.contains(block))
+      {
+        continue;
+      }
+      bool mayBePlain = true;
+      for (unsigned missing = ~children.exists & 0xff; missing != 0 && mayBePlain; missing &= missing - 1)
+      {
+        mayBePlain = !isKnown({ indexOfChild(block.index, std::countr_zero(missing)), block.level + 1 });
+      }
+      for (int o = 0; mayBePlain && o < 8; ++o)
+      {
+        require({ indexOfChild(block.index, o), block.level + 1 }, children.node(o, path.depth() + 1));
+      }
+    }
   }
 
   /// Whether a node, or one that it lies in, gives values.

@@ -1,7 +1,7 @@
 // What the field in a box depends on beyond it: which other processes' cells one has to hold so that its values and
 // vertex gradients are, bit for bit, those of all cells together.
 //
-// For every leaf that lies in the box, all of it or a part:
+// For every leaf that lies in the box, all of it or a part, or touches a lower face (where contours reach into it):
 // - Its vertices take values from the cells around it: the leaves that touch it, and of larger refined ones the children
 //   that do, each with all leaves below it (a mean).
 // - Where a leaf, or a node around it, touches a larger leaf, vertices hang on that one's lattice. They are interpolated

@@ -25,6 +25,12 @@ struct LatticeBox
     return allAxes(
       cell, [](Coord first, Coord last, Coord from, Coord to) { return first < to && last > from; });
   }
+  /// The same, or it touches one of the lower faces.
+  bool reaches(const CellId& cell) const noexcept
+  {
+    return allAxes(
+      cell, [](Coord first, Coord last, Coord from, Coord to) { return first < to && last >= from; });
+  }
   /// Whether all of the cell is inside.
   bool contains(const CellId& cell) const noexcept
   {

@@ -1,4 +1,5 @@
 // Boxes of a domain, and what has to be held around one: the field inside is then that of all cells, bit for bit.
+#include "Contour/Contour.h"
 #include "Partition/BoxCuts.h"
 #include "Partition/FieldSupport.h"
 #include "Support/FieldVertices.h"
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <random>
 
@@ -62,6 +64,42 @@ Support supportOf(const RootGrid& grid, const std::vector<LeafCell>& cells, cons
   }
 }
 
+/// Of parts, whose points are one where they have the same bits.
+struct MergedContour
+{
+  using Point = std::array<double, 3>;
+
+  std::map<Point, Point> gradients;          // by point
+  std::map<std::array<Point, 2>, int> edges; // by their ends: how often they run upwards less downwards
+  std::size_t triangles = 0;
+
+  void add(const ContourMesh& part)
+  {
+    for (std::size_t p = 0; p < part.points.size(); ++p)
+    {
+      const auto [known, isNew] = gradients.emplace(part.points[p], part.gradients[p]);
+      EXPECT_TRUE(isNew || known->second == part.gradients[p]);
+    }
+    for (const auto& triangle : part.triangles)
+    {
+      for (int i = 0; i < 3; ++i)
+      {
+        const Point& from = part.points[triangle[i]];
+        const Point& to = part.points[triangle[(i + 1) % 3]];
+        edges[{ std::min(from, to), std::max(from, to) }] += from < to ? 1 : -1;
+      }
+    }
+    triangles += part.triangles.size();
+  }
+  /// The edges without a triangle on their other side.
+  std::map<std::array<Point, 2>, int> rim() const
+  {
+    auto open = edges;
+    std::erase_if(open, [](const auto& edge) { return edge.second == 0; });
+    return open;
+  }
+};
+
 LatticeBox randomBox(const std::array<int, 3>& roots, std::mt19937& random)
 {
   LatticeBox box;
@@ -105,6 +143,39 @@ TEST(FieldSupport, ValuesAndGradientsInABoxAreThoseOfAllCells)
   EXPECT_EQ(differences.gradients, 0u) << "of " << differences.compared;
   EXPECT_GT(differences.compared, 1000000u);
   EXPECT_LE(mostRounds, 8);
+}
+
+TEST(FieldSupport, ContoursOfBoxesAreTheWholeContour)
+{
+  std::size_t triangles = 0;
+  for (const RandomTree& options : propertyTrees())
+  {
+    const auto cells = makeRandomTree(options);
+    const RootGrid grid = unitRoots(options.roots);
+    CellHistogram histogram(options.roots, 2);
+    for (const LeafCell& leaf : cells)
+    {
+      histogram.add(leaf.cell);
+    }
+    MergedContour parts;
+    for (const LatticeBox& box : cutBoxes(histogram, 5))
+    {
+      const Support support = supportOf(grid, cells, box);
+      if (!support.cells.empty())
+      {
+        parts.add(contour(*makeField(grid, support.cells), 0.1, { .gradients = true, .box = box }));
+      }
+    }
+    const auto [x, y, z] = options.roots;
+    MergedContour whole;
+    whole.add(
+      contour(*makeField(grid, cells), 0.1, { .gradients = true, .box = LatticeBox{ 0, {}, { x, y, z } } }));
+    EXPECT_TRUE(parts.gradients == whole.gradients);
+    EXPECT_TRUE(parts.rim() == whole.rim());
+    EXPECT_EQ(parts.triangles, whole.triangles);
+    triangles += parts.triangles;
+  }
+  EXPECT_GT(triangles, 500000u);
 }
 
 TEST(FieldSupport, OfEqualCellsTwoLayersAreNeeded)

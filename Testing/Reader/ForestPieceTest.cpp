@@ -61,8 +61,8 @@ TEST_F(ForestPieceTest, EveryCellIsCountedOnceAndFieldsAreThoseOfTheWholeForest)
   auto brick = ForestWriter::brick({ 3, 2, 1 });
   auto turned = turnedWall();
   cube.refine([](const ForestQuadrant& q) { return q.level < 3; });
-  refineAtRandom(cube, 7, 3);
-  refineAtRandom(brick, 6, 2);
+  refineAtRandom(cube, 6, 3);
+  refineAtRandom(brick, 5, 2);
   brick.balance(Balance::Full);
   refineAtRandom(turned, 5, 2);
   for (ForestWriter* forest : { &cube, &brick, &turned })
@@ -128,7 +128,7 @@ TEST_F(ForestPieceTest, HoldsLittleMoreThanItsShare)
   forest.save(path);
   const P4estForestFile file(path);
   const TreeLattice lattice = p4estTreeLattice(file);
-  for (const auto& [pieces, most] : { std::pair(2, 32 + 2), std::pair(8, 32 + 2) })
+  for (const auto& [pieces, most] : { std::pair(2, 32 + 4), std::pair(8, 32 + 4) })
   {
     for (int piece = 0; piece < pieces; ++piece)
     {

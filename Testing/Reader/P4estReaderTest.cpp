@@ -323,21 +323,6 @@ TEST_F(P4estReaderTest, SpoiltFiles)
   EXPECT_GT(errorCount, 200);
 }
 
-TEST_F(P4estReaderTest, FirstPieceHasAll)
-{
-  const std::string path = folder_.file("forest.p8est");
-  ForestWriter forest = smallBrick();
-  forest.save(path);
-  reader_->SetFileName(path.c_str());
-  reader_->SetPayload("float value[3]");
-  EXPECT_TRUE(reader_->UpdatePiece(1, 2, 0));
-  this->expectEmpty();
-  EXPECT_TRUE(reader_->UpdatePiece(0, 2, 0));
-  vtkIdType leaves = 0;
-  visitLeaves(reader_->GetHyperTreeGridOutput(), [&](auto*) { ++leaves; });
-  EXPECT_EQ(leaves, forest.quadrantCount());
-}
-
 // The demo's data, with the number of cells the field, the criterion and the balance are known to give.
 TEST_F(P4estReaderTest, Mandelbulb)
 {

@@ -136,6 +136,17 @@ TEST_F(PlanarForestTest, TreesMayBeTurnedAndReflected)
   expectCells(read(forest), forest.quadrants());
 }
 
+TEST_F(PlanarForestTest, FirstPieceHasAll)
+{
+  PlanarForest forest = PlanarForest::brick(3, 2);
+  forest.refineAtRandom(3, 2);
+  expectCells(read(forest), forest.quadrants());
+  EXPECT_TRUE(reader_->UpdatePiece(1, 2, 0));
+  EXPECT_EQ(reader_->GetHyperTreeGridOutput()->GetNumberOfNonEmptyTrees(), 0);
+  EXPECT_TRUE(reader_->UpdatePiece(0, 2, 0));
+  expectCells(reader_->GetHyperTreeGridOutput(), forest.quadrants());
+}
+
 TEST_F(PlanarForestTest, WithoutVerticesAreLaidOut)
 {
   PlanarForest forest = PlanarForest::brick(2, 3);
