@@ -198,19 +198,6 @@ std::uint32_t BlockIntersection::intersect(
   return nearer;
 }
 
-float BlockIntersection::depthOf(std::uint32_t number, const RayTile& tile) const noexcept
-{
-  // That of the middle, on the first ray: of two blocks on one ray the nearer comes first, but for some far from its
-  // direction.
-  const SurfaceBlock& block = blocks_.all()[number];
-  double depth = 0.;
-  for (int a = 0; a < 3; ++a)
-  {
-    depth += (static_cast<double>(block.index(a)) + 0.5) * tile.rays.direction[a][0];
-  }
-  return static_cast<float>(std::ldexp(depth, -block.depth()));
-}
-
 void BlockIntersection::takeBlocks(RayTile& tile) const
 {
   constexpr std::size_t ahead = 3; // so many blocks that their values are in the cache in time
@@ -219,13 +206,17 @@ void BlockIntersection::takeBlocks(RayTile& tile) const
   order.clear();
   for (std::size_t i = 0; i < tile.blocks.size(); ++i)
   {
-    order.push_back(orderOf(depthOf(tile.blocks[i].block, tile)) << 32 | i);
+    order.push_back(orderOf(tile.blocks[i].depth) << 32 | i);
   }
   std::sort(order.begin(), order.end());
   const auto blockAt = [&](std::size_t i) { return tile.blocks[order[i] & 0xffffffffu]; };
   BlockEntries entries;
   for (std::size_t i = 0; i < order.size(); ++i)
   {
+    if (i + 2 * ahead < order.size())
+    {
+      blocks_.prefetchBlock(blockAt(i + 2 * ahead).block);
+    }
     if (i + ahead < order.size())
     {
       blocks_.prefetch(blockAt(i + ahead).block);
@@ -407,9 +398,7 @@ void BlockIntersection::takePlaces(RayTile& tile) const
   {
     const int number = tile.placed[i].ray;
     RayHits& hits = tile.hits[number];
-    // Not at every hit: to sort them takes time.
-    constexpr std::size_t tooMany = 3;
-    if (hits.all && hits.all->size() > hits.most && hits.all->size() - hits.most >= tooMany)
+    if (hits.all && hits.all->size() >= hits.most)
     {
       sort(tile.rays.directionOf(number), hits);
       if (hits.all->size() == hits.most)

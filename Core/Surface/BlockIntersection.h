@@ -79,6 +79,8 @@ struct MetBlock
 {
   std::uint32_t block;
   std::uint32_t packets;
+  float
+    depth; // along the rays, but for a factor: of two blocks on one ray the nearer has the less, but for some aside
 };
 
 /// Where the domain is a unit cube, widened by what floats round; without extent, nothing meets it.
@@ -182,8 +184,6 @@ private:
     const GoesOn& goesOn) const;
   CrossedBlock opened(std::uint32_t number) const;
 
-  /// Where a block is along the rays of a tile, but for a factor.
-  float depthOf(std::uint32_t block, const RayTile& tile) const noexcept;
   /// Finds what rays find in a block that they enter.
   void enter(RayTile& tile, const CrossedBlock& place, const BlockEntries& entries) const;
   /// Adds what they may hit in the last block of the candidates.

@@ -137,6 +137,8 @@ public:
     const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
     return number != 0 ? pool_.chunkOf(number).records[number % Chunk::size] : compute(block);
   }
+  /// Announces that a block will be looked at.
+  void prefetchBlock(std::uint32_t block) const noexcept { treeamr::prefetch(&blocks_[block]); }
   /// Announces that the values of a block, when they are kept, will be read.
   void prefetch(std::uint32_t block) const noexcept
   {

@@ -141,6 +141,10 @@ public:
     , existing_((1u << (count + PixelRays::most - 1) / PixelRays::most) - 1)
   {
     length_ = setBeams(space, rays, count, ofPackets_, ofAll_);
+    for (int a = 0; a < 3; ++a)
+    {
+      along_[a] = static_cast<float>(rays.direction[a][0] / space.perExtent(a));
+    }
   }
 
   void descend(std::size_t level, std::size_t group) const
@@ -156,7 +160,7 @@ public:
       }
       else if (const std::uint32_t packets = this->packetsThatMeet(boxes, k))
       {
-        found_.push_back({ static_cast<std::uint32_t>(box), packets });
+        found_.push_back({ static_cast<std::uint32_t>(box), packets, this->depthOf(boxes, k) });
       }
     }
   }
@@ -200,9 +204,21 @@ private:
     return met & existing_;
   }
 
+  /// That of the middle, on the first ray.
+  float depthOf(const BoxGroup& boxes, int k) const
+  {
+    float depth = 0.f;
+    for (int a = 0; a < 3; ++a)
+    {
+      depth += (boxes.low[a][k] + boxes.high[a][k]) * along_[a];
+    }
+    return depth;
+  }
+
   const BoxLevels& levels_;
   std::vector<MetBlock>& found_;
-  std::uint32_t existing_; // bits of packets that have rays
+  std::array<float, 3> along_; // the first ray, where the domain is a unit cube
+  std::uint32_t existing_;     // bits of packets that have rays
   Beams<packets> ofPackets_{};
   Beams<1> ofAll_{};
   double length_;
