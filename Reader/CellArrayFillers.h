@@ -270,6 +270,7 @@ public:
     *tuple(node) = isGhost_(leaf) ? vtkDataSetAttributes::DUPLICATECELL : 0;
   }
   void setInner(vtkIdType node, vtkIdType /*firstChild*/, unsigned /*present*/) override { *tuple(node) = 0; }
+  void setMissing(vtkIdType node, vtkIdType /*sibling*/) override { *tuple(node) = 0; }
 
 private:
   std::function<bool(const TreeLeaf&)> isGhost_;
