@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs compare-frames report report-brief install clean
+.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs bench-ranks compare-frames report report-brief install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -83,6 +83,10 @@ $(BENCH)/%.p8est: | build
 PEER_FORESTS = sphere-0.3M mandelbulb-2.6M-8
 bench-vs: bench $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/peers.py $(BENCH)
+
+# What 1 to 8 ranks of pvbatch hold, and how far their pictures are from one's, half an hour on two cores.
+bench-ranks: build $(BENCH)/mandelbulb-2.6M.p8est $(BENCH)/mandelbulb-20M.p8est
+	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/ranks.py $(BENCH)
 
 # What must not change a picture has not: the frames of this build beside those of OTHER, a build of another commit,
 # equal to the bit or by TOLERANCE a channel at most. A few minutes.

@@ -96,6 +96,12 @@ void vtkTreeAMRIsosurfaceRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceRepresentation::AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest)
+{
+  this->Mapper->AgreeOnDrafts(renderer, this->Actor, largest);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceRepresentation::SetIsosurfaceArray(int vtkNotUsed(index), int vtkNotUsed(port),
   int vtkNotUsed(connection), int vtkNotUsed(association), const char* name)
 {

@@ -78,6 +78,7 @@ protected:
   bool IsExportedWithoutTrees() override { return this->HasExportedTriangles; }
   std::vector<double> GetDraftedIsovalues() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
+  void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) override;
 
 private:
   vtkTreeAMRIsosurfaceRepresentation(const vtkTreeAMRIsosurfaceRepresentation&) = delete;

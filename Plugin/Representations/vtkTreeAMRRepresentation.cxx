@@ -4,11 +4,13 @@
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkCommand.h"
+#include "vtkCommunicator.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
+#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPVRenderView.h"
 #include "vtkProp3D.h"
@@ -180,6 +182,15 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   {
     vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this);
     this->UpdateMapper(producer);
+    if (auto controller = vtkMultiProcessController::GetGlobalController();
+        controller && controller->GetNumberOfProcesses() > 1)
+    {
+      this->AgreeOnDrafts(vtkPVRenderView::SafeDownCast(this->GetView())->GetRenderer(),
+        [controller](std::array<double, 3>& numbers) {
+          const std::array<double, 3> own = numbers;
+          controller->AllReduce(own.data(), numbers.data(), 3, vtkCommunicator::MAX_OP);
+        });
+    }
     this->Drafts->StartFrame(vtkPVRenderView::SafeDownCast(this->GetView()), this->GetDraftedIsovalues());
     this->GetProp()->UseBoundsOn();
     // The mappers report a grid without trees as an error, but many ranks may have nothing to draw.

@@ -12,9 +12,11 @@
 #include "vtkSmartPointer.h"                 // for Grid
 #include "vtkTreeAMRRepresentationsModule.h" // for the export macro
 
-#include <set>    // for what was said
-#include <string> // for array names
-#include <vector> // for isovalues
+#include <array>      // for numbers of ranks
+#include <functional> // for reductions
+#include <set>        // for what was said
+#include <string>     // for array names
+#include <vector>     // for isovalues
 
 namespace treeamr
 {
@@ -25,6 +27,7 @@ class SweepDrafts;
 class vtkAlgorithmOutput;
 class vtkHyperTreeGrid;
 class vtkProp3D;
+class vtkRenderer;
 
 class VTKTREEAMRREPRESENTATIONS_EXPORT vtkTreeAMRRepresentation : public vtkPVDataRepresentation
 {
@@ -63,6 +66,10 @@ protected:
   virtual std::vector<double> GetDraftedIsovalues() = 0;
   /// Before each render: connect the mapper and bring it up to date with the representation.
   virtual void UpdateMapper(vtkAlgorithmOutput* grid) = 0;
+  /// Makes each number the largest of all ranks'.
+  using Largest = std::function<void(std::array<double, 3>&)>;
+  /// Before each render, on every rank of several: the mapper's.
+  virtual void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) = 0;
 
   /// The array chosen in the Coloring section; empty: none.
   std::string GetColorArrayName();

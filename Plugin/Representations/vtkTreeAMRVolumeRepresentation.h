@@ -111,6 +111,10 @@ protected:
   void UpdateFromAllRanks() override;
   std::vector<double> GetDraftedIsovalues() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
+  void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) override
+  {
+    this->Mapper->AgreeOnDrafts(renderer, this->Volume, largest);
+  }
 
 private:
   vtkTreeAMRVolumeRepresentation(const vtkTreeAMRVolumeRepresentation&) = delete;

@@ -178,6 +178,13 @@ treeamr::SurfaceShader vtkTreeAMRIsosurfaceMapper::Light(treeamr::SurfaceActorVi
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::AgreeOnDrafts(
+  vtkRenderer* renderer, vtkActor* actor, const std::function<void(std::array<double, 3>&)>& largest)
+{
+  this->Private->ViewOf(this, renderer, actor).sampleDistances.agree(largest);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::RecordFrame(treeamr::SurfaceActorView& view, double shadingSeconds)
 {
   if (view.seconds >= 0.)

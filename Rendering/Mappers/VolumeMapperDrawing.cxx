@@ -27,18 +27,34 @@ treeamr::DraftSettings vtkTreeAMRVolumeMapper::GetDraftSettings() const
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::RecordLastFrame()
+{
+  Internals& internals = *this->Private;
+  treeamr::VolumeFrame& last = internals.CurrentFrame;
+  const auto measured = internals.SampleDistances.find(last.Of);
+  if (measured != internals.SampleDistances.end() && last.RayCastingSeconds > 0. && !last.IsRecorded)
+  {
+    measured->second.record(last.ImageSampleDistance, last.RayCastingSeconds / last.Pixels, last.Interactive);
+    last.IsRecorded = true;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::AgreeOnDrafts(
+  vtkRenderer* renderer, vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest)
+{
+  this->RecordLastFrame();
+  this->Private->SampleDistances[{ renderer, volume }].agree(largest);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
 {
   Internals& internals = *this->Private;
   vtkRenderer* renderer = picture.Renderer;
   vtkVolume* volume = picture.Volume;
   const int pixels = picture.Viewport.Width * picture.Viewport.Height;
-  const treeamr::VolumeFrame& last = internals.CurrentFrame;
-  const auto measured = internals.SampleDistances.find(last.Of);
-  if (measured != internals.SampleDistances.end() && last.RayCastingSeconds > 0.)
-  {
-    measured->second.record(last.ImageSampleDistance, last.RayCastingSeconds / last.Pixels, last.Interactive);
-  }
+  this->RecordLastFrame();
 
   treeamr::VolumeFrame frame;
   frame.Of = { renderer, volume };

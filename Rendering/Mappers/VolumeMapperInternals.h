@@ -48,6 +48,7 @@ struct VolumeFrame
   double SquaredError = -1.;      // sum over the parts; negative: not estimated
   treeamr::VolumeStatistics Counts;
   double RayCastingSeconds = 0.;
+  bool IsRecorded = false; // for the drafts to come
   double ErrorSeconds = 0.;
   double CompositingSeconds = 0.;
 };

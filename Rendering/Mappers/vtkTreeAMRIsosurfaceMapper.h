@@ -51,9 +51,11 @@
 #include "vtkNew.h"                    // for ContourValues
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 
-#include <memory> // for std::unique_ptr
-#include <string> // for std::string
-#include <vector> // for std::vector
+#include <array>      // for std::array
+#include <functional> // for std::function
+#include <memory>     // for std::unique_ptr
+#include <string>     // for std::string
+#include <vector>     // for std::vector
 
 class vtkContourValues;
 class vtkHyperTreeGrid;
@@ -151,6 +153,10 @@ public:
   ///@}
   /// Pixels between the rays of the last frame, in whichever renderer; 0 before the first.
   double GetLastImageSampleDistance();
+  /// Of many processes that draw one picture, before each frame and on all: makes drafts as coarse as the slowest one needs.
+  /// largest(numbers): makes each number the largest of all processes'.
+  void AgreeOnDrafts(
+    vtkRenderer* renderer, vtkActor* actor, const std::function<void(std::array<double, 3>&)>& largest);
 
   ///@{
   /// Octants that the surfaces in use pass through, 0 before the first frame that is no draft; and when they changed.

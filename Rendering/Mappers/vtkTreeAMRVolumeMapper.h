@@ -41,9 +41,11 @@
 #include "vtkTreeAMRRenderingModule.h" // for the export macro
 #include "vtkVolumeMapper.h"
 
-#include <memory>   // for std::unique_ptr
-#include <optional> // for std::optional
-#include <string>   // for std::string
+#include <array>      // for std::array
+#include <functional> // for std::function
+#include <memory>     // for std::unique_ptr
+#include <optional>   // for std::optional
+#include <string>     // for std::string
 
 class vtkHyperTreeGrid;
 class vtkTable;
@@ -235,6 +237,10 @@ public:
   ///     OpenGL had to draw before, and drawing the image
   /// Belongs to the mapper, which fills it in when asked.
   vtkTable* GetStatistics();
+  /// Of many processes that draw one picture, before each frame and on all: makes drafts as coarse as the slowest one needs.
+  /// largest(numbers): makes each number the largest of all processes'.
+  void AgreeOnDrafts(
+    vtkRenderer* renderer, vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest);
   ///@{
   /// Modification times of the field and of the transfer function's table in use; 0 before the first.
   vtkMTimeType GetFieldBuildTime();
@@ -298,6 +304,7 @@ private:
   /// False: it failed, and has been reported.
   bool PrepareVolume(vtkRenderer* renderer, vtkVolume* volume);
   treeamr::DraftSettings GetDraftSettings() const;
+  void RecordLastFrame();
   void StartFrame(const Picture& picture);
   void TraceSurfaces(Picture& picture);
   void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);

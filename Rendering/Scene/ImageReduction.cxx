@@ -80,4 +80,14 @@ void SampleDistanceControl::record(double distance, double time, bool interactiv
   interactive_ = interactive;
 }
 
+void SampleDistanceControl::agree(const Largest& largest)
+{
+  // Times of still frames, which draw more, do not count beside those of drafts.
+  std::array<double, 3> state{ interactive_ ? fullTime_ : 0., interactive_ ? 0. : fullTime_, distance_ };
+  largest(state);
+  interactive_ = state[0] > 0.;
+  fullTime_ = interactive_ ? state[0] : state[1];
+  distance_ = state[2];
+}
+
 } // namespace treeamr

@@ -1,6 +1,8 @@
 // Images of fewer rays than the window has pixels, and how many fewer. Private to the module.
 #pragma once
 
+#include <array>
+#include <functional>
 #include <vector>
 
 namespace treeamr
@@ -49,6 +51,10 @@ public:
   /// What a frame with that distance took. Still frames count until an interactive one has been measured:
   /// these draw less detail.
   void record(double distance, double time, bool interactive);
+  /// Of many processes that draw one picture: goes on as the slowest would. To be called on all; largest(numbers): makes
+  /// each number the largest of all processes'.
+  using Largest = std::function<void(std::array<double, 3>&)>;
+  void agree(const Largest& largest);
 
 private:
   double fullTime_ = 0.; // estimated; 0: unknown

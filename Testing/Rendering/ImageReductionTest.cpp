@@ -134,6 +134,31 @@ TEST(SampleDistanceControlTest, reachesTheAllowedTime)
   }
 }
 
+// Of three processes one has measured a slow draft, one a fast one, one nothing but a still frame.
+TEST(SampleDistanceControlTest, processesThatAgreeDrawAsTheSlowest)
+{
+  std::array<SampleDistanceControl, 3> controls;
+  controls[0].record(2., 0.5, true);
+  controls[1].record(2., 0.1, true);
+  controls[2].record(1., 90., false);
+  std::array<double, 3> largest{};
+  for (SampleDistanceControl control : controls) // copies: a round to collect the numbers
+  {
+    control.agree([&](std::array<double, 3>& numbers) {
+      std::ranges::transform(
+        numbers, largest, largest.begin(), [](double a, double b) { return std::max(a, b); });
+    });
+  }
+  SampleDistanceControl slowest;
+  slowest.record(2., 0.5, true);
+  const double expected = slowest.choose(0.05, 1., 100.);
+  for (SampleDistanceControl& control : controls)
+  {
+    control.agree([&](std::array<double, 3>& numbers) { numbers = largest; });
+    EXPECT_EQ(control.choose(0.05, 1., 100.), expected);
+  }
+}
+
 TEST(SampleDistanceControlTest, doesNotOscillate)
 {
   for (const double fixed : { 0., 0.02, 0.09, 0.5 })
