@@ -1,0 +1,114 @@
+"""A forest's file on many ranks: each reads its part, and the pictures are those of one rank.
+
+TestForestRanks.py <forest> <folder>           saves the pictures on one rank, compares with them on others
+TestForestRanks.py <forest> <folder> <port>    a client of serve.py
+"""
+
+import os
+import sys
+
+from paraview import servermanager, simple
+from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkFeatureEdges
+
+import scene
+
+FOREST = sys.argv[1]
+is_client = len(sys.argv) > 3
+if is_client:
+    simple.Connect("localhost", int(sys.argv.pop()))
+    ranks = servermanager.ActiveConnection.GetNumberOfDataPartitions()
+else:
+    ranks = servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
+
+
+def check(name, view, bound):
+    """At most `bound` of 255 from one rank's on two, and one more on three: each rank rounds its colours and opacities."""
+    kind = "client" if is_client else ranks
+    image = scene.picture(view, f"forest-{name}-{kind}")
+    assert scene.drawn(image).mean() > 0.05, name
+    if ranks > 1:
+        difference = abs(image - scene.load(os.path.join(sys.argv[-1], f"forest-{name}-1.png")))
+        print(name, "largest difference", difference.max(), "mean", difference.mean())
+        assert difference.max() <= bound + (ranks > 2), name
+    return image
+
+
+def open_edges(source):
+    """Of the triangles of all ranks, when equal points are one: how many edges have one alone, away from the unit cube's faces."""
+    clean = vtkCleanPolyData()
+    clean.SetInputData(servermanager.Fetch(source))
+    clean.SetTolerance(0)
+    edges = vtkFeatureEdges()
+    edges.SetInputConnection(clean.GetOutputPort())
+    edges.FeatureEdgesOff()
+    edges.ManifoldEdgesOff()
+    edges.Update()
+    found = 0
+    for i in range(edges.GetOutput().GetNumberOfCells()):
+        bounds = edges.GetOutput().GetCell(i).GetBounds()
+        found += not any(
+            bounds[2 * a] == bounds[2 * a + 1] and bounds[2 * a] in (0, 1) for a in range(3))
+    return clean.GetOutput().GetNumberOfPoints(), edges.GetOutput().GetNumberOfCells(), found
+
+
+view = scene.view()
+reader = simple.TreeAMRP4estReader(FileName=FOREST, Payload="double rho")
+display = simple.Show(reader, view)
+simple.ColorBy(display, ("CELLS", "rho"))
+display.RescaleTransferFunctionToDataRange(False, True)
+display.SetRepresentationType("Tree AMR Volume")
+display.SamplesPerCell = 8
+display.ScalarOpacityUnitDistance = 0.05
+low, high = display.LookupTable.RGBPoints[0], display.LookupTable.RGBPoints[-4]
+display.ScalarOpacityFunction.Points = [low, 0, 0.5, 0, high, 0.9, 0.5, 0]
+scene.look(view)
+volume = check("volume", view, 2)
+assert reader.GetDataInformation().GetNumberOfCells() > 0
+
+display.LookupTable.ApplyPreset("Viridis (matplotlib)", True)
+check("colours", view, 2)
+camera = view.CameraPosition[:]
+view.CameraPosition = [0.3, 2.5, -1.2]
+check("moved", view, 2)
+view.CameraPosition = camera
+display.Shade = 1
+check("shade", view, 2)
+display.Shade = 0
+display.UseCropping = 1
+display.CroppingScale = [0.5, 0.8, 0.8]
+display.CroppingOrigin = [0.2, 0.1, 0.1]
+check("cropped", view, 2)
+display.UseCropping = 0
+display.ShowIsosurfaces = 1
+display.IsosurfaceValues = [0.5]
+check("both", view, 2)
+display.ShowIsosurfaces = 0
+
+display.SetRepresentationType("Tree AMR Isosurface")
+display.Isovalues = [0.5]
+check("isosurface", view, 1)
+simple.ColorBy(display, None)
+display.Isovalues = [0.3, 0.6]
+display.Opacity = 0.4
+check("translucent", view, 2)
+display.Opacity = 1
+
+# Triangles of all ranks close.
+contour = simple.TreeAMRContour(Input=reader, ContourBy=["CELLS", "rho"], Isosurfaces=[0.3, 0.6])
+contour.UpdatePipeline()
+points, boundary, inside = open_edges(contour)
+print("points", points, "edges on the boundary and inside", boundary, inside)
+assert points > 500 and inside == 0
+simple.Hide(reader, view)
+shown = simple.Show(contour, view)
+simple.ColorBy(shown, None)
+check("contour", view, 2)
+simple.Hide(contour, view)
+simple.Show(reader, view)
+
+# All cells are counted once: they fill the unit cube.
+integral = simple.IntegrateVariables(Input=simple.HyperTreeGridToUnstructuredGrid(Input=reader))
+integral.UpdatePipeline()
+volume = servermanager.Fetch(integral).GetCellData().GetArray("Volume").GetValue(0)
+print("volume of all cells", volume)
+assert abs(volume - 1) < 1e-9
