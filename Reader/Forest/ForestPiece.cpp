@@ -123,9 +123,11 @@ ForestPiece::ForestPiece(const P4estForestFile& file, const TreeLattice& lattice
   readCells(listed.atBorder, [&](const CellId& cell, std::uint64_t /*number*/) {
     cells.push_back({ cell, 0.f });
   });
+  effort_.quadrantsRead = cells.size();
   std::vector<std::pair<CellId, std::uint64_t>> outside;
   const auto addOutside = [&](std::vector<LeafRange> ranges) {
     readCells(ranges, [&](const CellId& cell, std::uint64_t number) {
+      ++effort_.quadrantsRead;
       if (!box().meets(cell))
       {
         outside.emplace_back(cell, number);
@@ -141,6 +143,7 @@ ForestPiece::ForestPiece(const P4estForestFile& file, const TreeLattice& lattice
     {
       all.push_back({ cell, 0.f });
     }
+    ++effort_.rounds;
     const FieldSupport support = findFieldSupport(*buildOctree(grid_, std::move(all)).octree, box(), known);
     if (support.unknown.isEmpty())
     {

@@ -25,6 +25,13 @@ public:
   const LatticeBox& box() const noexcept { return boxes_[static_cast<std::size_t>(piece_)]; }
   /// Of the piece.
   std::uint64_t leafCount() const noexcept { return starts_.back(); }
+  /// What it took to find them.
+  struct Effort
+  {
+    std::uint64_t quadrantsRead = 0; // near the box's faces
+    int rounds = 0;                  // of asking what the field depends on
+  };
+  const Effort& effort() const noexcept { return effort_; }
   /// The ranges of its leaves [begin, end), counted from 0, in the file.
   std::vector<LeafRange> ranges(std::uint64_t begin, std::uint64_t end) const;
   /// Of each tree: nodes of its leaves, with places that none is at; 0 without leaves.
@@ -52,6 +59,7 @@ private:
   RootGrid grid_;
   int piece_;
   std::vector<LatticeBox> boxes_;
+  Effort effort_;
   std::vector<LeafRange> ranges_;     // ascending, apart from each other
   std::vector<std::uint64_t> starts_; // of the ranges' leaves among the piece's, and the end
 };
