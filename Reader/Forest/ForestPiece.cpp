@@ -115,9 +115,8 @@ ForestPiece::ForestPiece(const P4estForestFile& file, const TreeLattice& lattice
   , grid_(lattice.planes())
   , piece_(piece)
 {
-  const std::vector<Place> places = splitTrees();
-  cutBoxes(places, pieces);
-  Listed listed = findQuadrants(places);
+  cutBoxes(pieces);
+  Listed listed = findQuadrants(splitTrees());
 
   std::vector<LeafCell> cells; // near the box's faces
   readCells(listed.atBorder, [&](const CellId& cell, std::uint64_t /*number*/) {
@@ -200,27 +199,35 @@ std::vector<ForestPiece::Place> ForestPiece::splitTrees() const
   return places;
 }
 
-void ForestPiece::cutBoxes(const std::vector<Place>& places, int pieces)
+/// By quadrants spread over the file, each for those around it, about one for each of the histogram's places, or all of a
+/// small forest: what all processes read is to be far below what each reads for itself.
+void ForestPiece::cutBoxes(int pieces)
 {
   const std::array<int, 3>& roots = grid_.roots();
   CellHistogram histogram(roots, CellHistogram::levelFor(roots, pieces, P4estForestFile::maxLevel));
+  const std::uint64_t count = file_.quadrantCount();
+  const std::uint64_t most = std::max<std::uint64_t>(histogram.counts().size(), 1 << 18);
+  const std::uint64_t stride = (count + most - 1) / most;
   std::mutex mutex;
-  tbb::enumerable_thread_specific<Walk> walks([this] { return Walk(file_); });
-  tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
-    std::vector<std::pair<CellId, double>> counts;
-    walks.local().visit(places[i], [&](const Place& place) {
-      const bool isCounted = place.isLeaf() || place.level >= histogram.level();
-      if (isCounted)
-      {
-        counts.emplace_back(
-          lattice_.cellOf(place.tree, place.index, place.level), static_cast<double>(place.range.count()));
-      }
-      return !isCounted;
-    });
-    const std::scoped_lock lock(mutex);
-    for (const auto& [cell, count] : counts)
+  constexpr std::uint64_t blockSamples = 2048;
+  tbb::parallel_for(std::uint64_t(0), (count - 1) / (stride * blockSamples) + 1, [&](std::uint64_t b) {
+    std::vector<LeafRange> ranges;
+    const std::uint64_t end = std::min(count, (b + 1) * stride * blockSamples);
+    for (std::uint64_t first = b * stride * blockSamples; first < end; first += stride)
     {
-      histogram.add(cell, count);
+      const std::uint64_t middle = first + (std::min(stride, count - first) - 1) / 2;
+      ranges.push_back({ middle, middle + 1 });
+    }
+    normalise(ranges);
+    LeafBlock block;
+    file_.readQuadrants(ranges, block);
+    const std::scoped_lock lock(mutex);
+    for (const TreeLeaf& leaf : block.leaves)
+    {
+      const std::uint64_t first = leaf.number / stride * stride;
+      // Whole numbers and their halves: the sum is the same in any order.
+      histogram.add(
+        lattice_.cellOf(leaf.tree, leaf.index, leaf.level), static_cast<double>(std::min(stride, count - first)));
     }
   });
   boxes_ = treeamr::cutBoxes(histogram, pieces);

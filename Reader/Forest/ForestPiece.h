@@ -48,7 +48,7 @@ private:
   class Walk;
 
   std::vector<Place> splitTrees() const;
-  void cutBoxes(const std::vector<Place>& places, int pieces);
+  void cutBoxes(int pieces);
   Listed findQuadrants(const std::vector<Place>& places) const;
   std::vector<LeafRange> readUnknown(const std::vector<CellId>& cells) const;
   template <class Visit>

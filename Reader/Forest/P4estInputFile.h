@@ -37,6 +37,7 @@ public:
         std::filesystem::is_directory(status) ? "a directory" : "not a regular file", ", allowed ", allowed);
     }
     size_ = std::filesystem::file_size(path, code);
+    stream_.rdbuf()->pubsetbuf(nullptr, 0); // or a quadrant here and there costs 8 KiB each
     stream_.open(path, std::ios::binary);
     if (code || !stream_)
     {

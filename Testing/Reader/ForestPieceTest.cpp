@@ -141,3 +141,28 @@ TEST_F(ForestPieceTest, HoldsLittleMoreThanItsShare)
     }
   }
 }
+
+// Too many cells for each to be counted, most of them in one corner.
+TEST_F(ForestPieceTest, BoxesOfLargeForestsHoldAboutAsManyCells)
+{
+  auto forest = ForestWriter::unitCube();
+  forest.refine([](const ForestQuadrant& q) {
+    const bool isNear = std::ranges::all_of(q.index, [&](std::uint32_t i) { return i < (3u << q.level) / 4; });
+    return q.level < 5 || (q.level < 7 && isNear);
+  });
+  const std::string path = folder_.file("forest.p8est");
+  forest.save(path);
+  const P4estForestFile file(path);
+  ASSERT_GT(file.quadrantCount(), std::uint64_t(3) << 18);
+  const TreeLattice lattice = p4estTreeLattice(file);
+  constexpr int pieces = 8;
+  const ForestPiece first(file, lattice, 0, pieces);
+  std::array<std::uint64_t, pieces> counts{};
+  file.visitQuadrants([&](const TreeLeaf& leaf) {
+    const CellId cell = lattice.cellOf(leaf.tree, leaf.index, leaf.level);
+    const auto owner = std::ranges::find_if(first.boxes(), [&](const LatticeBox& box) { return box.owns(cell); });
+    ++counts[static_cast<std::size_t>(owner - first.boxes().begin())];
+  });
+  EXPECT_LE(
+    static_cast<double>(*std::ranges::max_element(counts)), 1.08 * static_cast<double>(file.quadrantCount()) / pieces);
+}
