@@ -63,10 +63,12 @@ void keepFirstOfDuplicates(SortedCells<Keys, std::uint64_t>& cells, const Fail& 
   }
 }
 
-/// cells: with their CellNumbers, disjoint, sorted. planes: between roots, per axis. grid: an empty one.
-template <class Keys>
+/// cells: with their CellNumbers, disjoint, sorted. planes: between roots, per axis. grid: an empty one. addMore(builder): of
+/// further arrays.
+template <class Keys, class AddMore>
 void buildGrid(const SortedCells<Keys, std::uint64_t>& cells,
-  const std::array<std::vector<double>, 3>& planes, const BlockArrays& arrays, vtkHyperTreeGrid* grid)
+  const std::array<std::vector<double>, 3>& planes, const BlockArrays& arrays, vtkHyperTreeGrid* grid,
+  const AddMore& addMore)
 {
   setLattice(grid, planes);
   ParallelGridBuilder<Keys> builder(cells);
@@ -75,7 +77,14 @@ void buildGrid(const SortedCells<Keys, std::uint64_t>& cells,
     builder.addArray(makeFiller(arrays, array, builder.nodeCount(),
       { cells.size(), [&](std::size_t i) { return CellNumber(cells.value(i)); } }));
   }
+  addMore(builder);
   builder.build(grid);
+}
+template <class Keys>
+void buildGrid(const SortedCells<Keys, std::uint64_t>& cells,
+  const std::array<std::vector<double>, 3>& planes, const BlockArrays& arrays, vtkHyperTreeGrid* grid)
+{
+  buildGrid(cells, planes, arrays, grid, [](ParallelGridBuilder<Keys>& /*builder*/) {});
 }
 
 } // namespace treeamr

@@ -3,7 +3,7 @@
 #include "CornerArrays.h"
 #include "Error.h"
 #include "GridOfCells.h"
-#include "HyperTreeGridTopology.h"
+#include "OwnLeaves.h"
 
 #include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
@@ -25,32 +25,6 @@ namespace
 {
 
 using Planes = std::array<std::vector<double>, 3>;
-
-/// Calls body(place, vertex) for each leaf of a tree that is drawn and no ghost, level 0 at its root; also below a depth limit.
-template <class Body>
-void forEachLeaf(const HyperTreeGridTopology& topology, const HyperTreeView& tree, vtkIdType vertex,
-  const CellId& place, const Body& body)
-{
-  if (!topology.exists(tree, vertex) || topology.isGhost(tree, vertex))
-  {
-    return;
-  }
-  if (tree.isLeaf(vertex))
-  {
-    body(place, vertex);
-    return;
-  }
-  topology.checkDepth(static_cast<unsigned int>(place.level));
-  for (int o = 0; o < 8; ++o)
-  {
-    CellId child{ place.index, place.level + 1 };
-    for (int a = 0; a < 3; ++a)
-    {
-      child.index[a] = 2 * child.index[a] + sideOf(o, a);
-    }
-    forEachLeaf(topology, tree, tree.child(vertex, o), child, body);
-  }
-}
 
 /// The cells of a tree, and how many there are of trees before.
 struct TreeCells
@@ -172,7 +146,7 @@ private:
     }
     tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
       TreeCells& cells = trees_[t];
-      forEachLeaf(topologies_[cells.grid], *cells.tree, 0, rootOf(cells),
+      forEachOwnLeaf(topologies_[cells.grid], *cells.tree, rootOf(cells),
         [&](const CellId& place, vtkIdType /*vertex*/) {
           ++cells.before;
           cells.deepest = std::max(cells.deepest, place.level);
@@ -193,8 +167,8 @@ private:
     tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
       const TreeCells& cells = trees_[t];
       std::size_t at = cells.before;
-      forEachLeaf(
-        topologies_[cells.grid], *cells.tree, 0, rootOf(cells), [&](const CellId& place, vtkIdType vertex) {
+      forEachOwnLeaf(
+        topologies_[cells.grid], *cells.tree, rootOf(cells), [&](const CellId& place, vtkIdType vertex) {
           sorted.set(at++, place, CellNumber(cells.grid, cells.tree->globalIndex(vertex)).number());
         });
     });

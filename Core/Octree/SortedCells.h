@@ -78,6 +78,7 @@ public:
   std::size_t size() const noexcept { return count_; }
   int padding() const noexcept { return padding_; }
   const Value& value(std::size_t i) const noexcept { return records_[i].value; }
+  const Key& key(std::size_t i) const noexcept { return records_[i].key; }
   int depth(std::size_t i) const noexcept { return keys_.depth(records_[i].key); }
   /// That leads to depth `depth` on the way to the cell.
   int octant(std::size_t i, int depth) const noexcept
