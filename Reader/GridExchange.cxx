@@ -2,23 +2,28 @@
 #include "GridExchange.h"
 
 #include "CellExchange.h"
+#include "CellNumber.h"
+#include "CornerArrays.h"
+#include "Error.h"
 #include "MergedGrid.h"
+#include "OwnLeaves.h"
 #include "ProcessGroup.h"
 #include "SharedArrays.h"
 
 #include "Partition/BoxCuts.h"
 
+#include "vtkCellData.h"
 #include "vtkCommunicator.h"
 #include "vtkFieldData.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
-#include "vtkTypeInt64Array.h"
 #include "vtkTypeUInt64Array.h"
 
 #include <algorithm>
 #include <atomic>
-#include <numeric>
+#include <optional>
+#include <type_traits>
 
 namespace treeamr
 {
@@ -71,7 +76,8 @@ public:
     told.hasTrees = grid_ != nullptr;
     if (const auto partition = grid_ ? partitionOf(*grid_) : std::nullopt)
     {
-      told.isPartitioned = partition->own == group.own() && static_cast<int>(partition->boxes.size()) == group.size();
+      told.isPartitioned =
+        partition->own == group.own() && static_cast<int>(partition->boxes.size()) == group.size();
       told.boxes.add(static_cast<std::uint64_t>(partition->box().level));
       for (const LatticeBox& box : partition->boxes)
       {
@@ -140,10 +146,8 @@ public:
     }
     group_.together([&] { local_->tellCells(told_); });
     all_ = group_.gather(told_);
-    group_.together([&] {
-      checkLattices();
-      plan();
-    });
+    checkLattices();
+    group_.together([&] { plan(); });
     sharePlanes();
     SharedArrays arrays(group_, local_->grid(), local_->tuples(), first_, options.arrays);
     findCopies(arrays);
@@ -154,10 +158,7 @@ public:
     cutBoxes();
     ExchangedGrid result;
     result.leftOut = arrays.leftOut();
-    const int depth = RootGrid(plan_.planes).paddingDepth() + plan_.deepest;
-    result.grid = withKeys(depth, [&]<class Keys>() {
-      return CellExchange<Keys>(group_, plan_, arrays, local_->topology()).run();
-    });
+    result.grid = exchangeCells(group_, plan_, arrays, local_->topology());
     group_.together([&] { finish(arrays, *result.grid); });
     return result;
   }
@@ -171,6 +172,7 @@ private:
     });
   }
 
+  /// On all processes with the same result.
   void checkLattices() const
   {
     const Told& first = all_[static_cast<std::size_t>(first_)];
@@ -325,6 +327,12 @@ private:
   ExchangePlan plan_;
 };
 
+/// Null without origins.
+vtkTypeUInt64Array* originsOf(vtkHyperTreeGrid& grid)
+{
+  return vtkTypeUInt64Array::FastDownCast(grid.GetCellData()->GetAbstractArray(originArrayName));
+}
+
 } // namespace
 
 ExchangedGrid exchangeGrid(
@@ -340,13 +348,24 @@ ExchangedGrid exchangeGrid(
 
 CellOrigin cellOrigin(vtkHyperTreeGrid& grid, vtkIdType index, int own)
 {
-  auto* const origins = vtkTypeUInt64Array::FastDownCast(grid.GetCellData()->GetArray(originArrayName));
+  vtkTypeUInt64Array* const origins = originsOf(grid);
   if (!origins)
   {
     return { own, index };
   }
   const CellNumber number(origins->GetValue(index));
   return { static_cast<int>(number.block()), number.cell() };
+}
+
+vtkIdType largestOrigin(vtkHyperTreeGrid& grid, vtkIdType size)
+{
+  vtkTypeUInt64Array* const origins = originsOf(grid);
+  vtkIdType largest = origins ? 0 : size - 1;
+  for (vtkIdType i = 0; origins && i < origins->GetNumberOfTuples(); ++i)
+  {
+    largest = std::max(largest, CellNumber(origins->GetValue(i)).cell());
+  }
+  return largest;
 }
 
 } // namespace treeamr

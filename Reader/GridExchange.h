@@ -5,6 +5,7 @@
 #include "vtkTreeAMRReaderModule.h" // for the export macro
 
 #include "vtkSmartPointer.h"
+#include "vtkType.h"
 
 #include <string>
 #include <vector>
@@ -41,12 +42,14 @@ struct ExchangedGrid
 VTKTREEAMRREADER_EXPORT ExchangedGrid exchangeGrid(
   vtkHyperTreeGrid* local, vtkMultiProcessController* controller, const ExchangeOptions& options = {});
 
-/// The process that had a cell and its place in the cell arrays there, of a grid with origins; else `own` and `index`.
 struct CellOrigin
 {
   int process;
   vtkIdType index;
 };
+/// The process that had a cell and its place in the cell arrays there, of a grid with origins; else `own` and `index`.
 VTKTREEAMRREADER_EXPORT CellOrigin cellOrigin(vtkHyperTreeGrid& grid, vtkIdType index, int own);
+/// The largest index of an origin. size: of the cell arrays.
+VTKTREEAMRREADER_EXPORT vtkIdType largestOrigin(vtkHyperTreeGrid& grid, vtkIdType size);
 
 } // namespace treeamr

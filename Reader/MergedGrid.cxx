@@ -146,8 +146,8 @@ private:
     }
     tbb::parallel_for(std::size_t(0), trees_.size(), [&](std::size_t t) {
       TreeCells& cells = trees_[t];
-      forEachOwnLeaf(topologies_[cells.grid], *cells.tree, rootOf(cells),
-        [&](const CellId& place, vtkIdType /*vertex*/) {
+      forEachOwnLeaf(
+        topologies_[cells.grid], *cells.tree, rootOf(cells), [&](const CellId& place, vtkIdType /*vertex*/) {
           ++cells.before;
           cells.deepest = std::max(cells.deepest, place.level);
         });

@@ -8,8 +8,8 @@
 namespace treeamr
 {
 
-/// Calls visit(place, vertex) for each leaf of a tree that is drawn and no ghost, from a vertex at a place of any lattice on,
-/// level 0 at the tree's root; also below a depth limit. enter(place): of each node on the way, before those in it.
+/// Calls visit(place, vertex) for each leaf of a tree that is drawn and no ghost, from a vertex and its place on, also below a
+/// depth limit. Places: on any lattice, level 0 at the tree's root. enter(place): of each node on the way, before those in it.
 template <class Enter, class Visit>
 void forEachOwnLeaf(const HyperTreeGridTopology& topology, const HyperTreeView& tree, vtkIdType vertex,
   const CellId& place, const Enter& enter, const Visit& visit)
@@ -37,7 +37,8 @@ template <class Visit>
 void forEachOwnLeaf(
   const HyperTreeGridTopology& topology, const HyperTreeView& tree, const CellId& root, const Visit& visit)
 {
-  forEachOwnLeaf(topology, tree, 0, root, [](const CellId& /*place*/) {}, visit);
+  forEachOwnLeaf(
+    topology, tree, 0, root, [](const CellId& /*place*/) {}, visit);
 }
 
 } // namespace treeamr

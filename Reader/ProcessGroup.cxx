@@ -68,9 +68,8 @@ void ProcessGroup::gatherBytes(const void* own, void* all, std::size_t size) con
 
 void ProcessGroup::broadcast(void* data, std::size_t size, int from) const
 {
-  inPieces(size, [&](std::size_t begin, vtkIdType count) {
-    controller_.Broadcast(chars(data) + begin, count, from);
-  });
+  inPieces(size,
+    [&](std::size_t begin, vtkIdType count) { controller_.Broadcast(chars(data) + begin, count, from); });
 }
 
 template <class Talk>
@@ -100,7 +99,8 @@ std::vector<Bytes> ProcessGroup::exchange(std::vector<Bytes> outgoing) const
     const auto size = static_cast<vtkIdType>(outgoing[partner].size());
     for (const bool sends : { isFirst, !isFirst })
     {
-      sends ? controller_.Send(&size, 1, partner, tag) : controller_.Receive(&sizes[partner], 1, partner, tag);
+      sends ? controller_.Send(&size, 1, partner, tag)
+            : controller_.Receive(&sizes[partner], 1, partner, tag);
     }
   });
   together([&] {
@@ -116,7 +116,8 @@ std::vector<Bytes> ProcessGroup::exchange(std::vector<Bytes> outgoing) const
       Bytes& bytes = sends ? outgoing[partner] : incoming[partner];
       inPieces(bytes.size(), [&](std::size_t begin, vtkIdType count) {
         char* const piece = chars(bytes.data()) + begin;
-        sends ? controller_.Send(piece, count, partner, tag) : controller_.Receive(piece, count, partner, tag);
+        sends ? controller_.Send(piece, count, partner, tag)
+              : controller_.Receive(piece, count, partner, tag);
       });
     }
     outgoing[partner] = {};

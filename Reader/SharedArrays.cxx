@@ -155,8 +155,8 @@ SharedArrays::SharedArrays(const ProcessGroup& group, vtkHyperTreeGrid* grid, vt
   group.together([&] { differsOnAny = differs; });
   if (!differs.empty())
   {
-    group.controller().AllReduce(differs.data(), differsOnAny.data(), static_cast<vtkIdType>(differs.size()),
-      vtkCommunicator::MAX_OP);
+    group.controller().AllReduce(
+      differs.data(), differsOnAny.data(), static_cast<vtkIdType>(differs.size()), vtkCommunicator::MAX_OP);
   }
   group.together([&] {
     std::vector<SharedArray> kept;
@@ -224,7 +224,8 @@ void SharedArrays::copyTuple(std::size_t array, vtkIdType tuple, int turned, std
   const std::size_t bytes = shared.tupleBytes / cornerCount;
   for (int c = 0; c < cornerCount; ++c) // as the corners are along increasing coordinates
   {
-    std::memcpy(to + static_cast<std::size_t>(c) * bytes, from + static_cast<std::size_t>(c ^ turned) * bytes, bytes);
+    std::memcpy(
+      to + static_cast<std::size_t>(c) * bytes, from + static_cast<std::size_t>(c ^ turned) * bytes, bytes);
   }
 }
 

@@ -145,7 +145,14 @@ int vtkTreeAMRGridAlgorithm::RequestData(
     vtkErrorMacro(<< this->GetInputKind() << ": " << error.what());
   }
   this->Warnings->endRound();
-  output->GetFieldData()->ShallowCopy(fieldData);
+  for (int i = 0; i < fieldData->GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* const array = fieldData->GetAbstractArray(i);
+    if (!array->GetName() || !output->GetFieldData()->HasArray(array->GetName()))
+    {
+      output->GetFieldData()->AddArray(array);
+    }
+  }
   return 1;
 }
 

@@ -56,6 +56,17 @@ bool vtkTreeAMRIsosurfaceRepresentation::NeedsOrderedCompositing()
 }
 
 //------------------------------------------------------------------------------
+std::set<std::string> vtkTreeAMRIsosurfaceRepresentation::GetShownArrays()
+{
+  std::set<std::string> names{ this->IsosurfaceArray };
+  if (const std::string colored = this->GetColorArrayName(); !colored.empty())
+  {
+    names.insert(colored);
+  }
+  return names;
+}
+
+//------------------------------------------------------------------------------
 std::vector<double> vtkTreeAMRIsosurfaceRepresentation::GetDraftedIsovalues()
 {
   if (!this->Mapper->GetAutoAdjustSampleDistances())

@@ -76,6 +76,8 @@ protected:
   vtkProp3D* GetProp() override;
   bool NeedsOrderedCompositing() override;
   bool IsExportedWithoutTrees() override { return this->HasExportedTriangles; }
+  std::set<std::string> GetShownArrays() override;
+  bool HasSelectableCells() override { return true; }
   std::vector<double> GetDraftedIsovalues() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
   void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) override;

@@ -3,8 +3,11 @@
 #include "SweepDrafts.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkCommunicator.h"
+#include "vtkDataArray.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -17,6 +20,7 @@
 #include "vtkRenderer.h"
 
 #include "Error.h"
+#include "GridExchange.h"
 #include "HyperTreeGridConverter.h"
 #include "MergedGrid.h"
 
@@ -32,11 +36,33 @@ bool hasTrees(vtkAlgorithmOutput* producer)
     !treeamr::gridsWithTrees(producer->GetProducer()->GetOutputDataObject(producer->GetIndex())).empty();
 }
 
+/// Those that a mapper takes without a name: the active scalars, or else the first.
+std::vector<std::string> defaultArrays(vtkHyperTreeGrid& grid)
+{
+  std::vector<std::string> names;
+  const auto add = [&](vtkDataArray* array) {
+    const std::string name = array && array->GetName() ? array->GetName() : "";
+    const bool isData = !name.empty() && name != vtkDataSetAttributes::GhostArrayName();
+    if (isData)
+    {
+      names.push_back(name);
+    }
+    return isData;
+  };
+  vtkCellData* const cells = grid.GetCellData();
+  add(cells->GetScalars());
+  for (int i = 0; i < cells->GetNumberOfArrays() && !add(cells->GetArray(i)); ++i)
+  {
+  }
+  return names;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
 vtkTreeAMRRepresentation::vtkTreeAMRRepresentation()
   : Grid(vtkSmartPointer<vtkHyperTreeGrid>::New())
+  , Input(Grid)
 {
   vtkMath::UninitializeBounds(this->LocalBounds);
 }
@@ -68,7 +94,7 @@ int vtkTreeAMRRepresentation::RequestData(
 {
   this->HasExecuted = true;
   // A copy, because a source fills its output object again while the view may still cache this time step.
-  this->Grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
+  this->Input = vtkSmartPointer<vtkHyperTreeGrid>::New();
   vtkMath::UninitializeBounds(this->LocalBounds);
   if (inputVector[0]->GetNumberOfInformationObjects() == 1)
   {
@@ -83,24 +109,25 @@ int vtkTreeAMRRepresentation::RequestData(
       }
       else if (only)
       {
-        this->Grid->ShallowCopy(only);
+        this->Input->ShallowCopy(only);
         this->GridFlatIndex = grids.empty() ? 1 : grids.front().flatIndex;
       }
       for (const std::string& block : treeamr::blocksOfOtherKinds(input))
       {
-        if (this->SaidOfBlocks.insert(block).second)
+        if (this->SaidOfGrids.insert(block).second)
         {
           vtkWarningMacro(<< block << ", of which this representation draws nothing: show it by itself.");
         }
       }
-      treeamr::computeLocalBounds(this->Grid, this->LocalBounds);
+      treeamr::computeLocalBounds(this->Input, this->LocalBounds);
     }
     catch (const std::exception& e)
     {
-      this->Grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
+      this->Input = vtkSmartPointer<vtkHyperTreeGrid>::New();
       vtkErrorMacro(<< e.what());
     }
   }
+  this->Grid = this->Input;
   return this->Superclass::RequestData(request, inputVector, outputVector);
 }
 
@@ -111,7 +138,7 @@ void vtkTreeAMRRepresentation::MergeGrids(
   std::string leftOut;
   try
   {
-    for (const std::string& array : treeamr::mergeGrids(grids, this->Grid))
+    for (const std::string& array : treeamr::mergeGrids(grids, this->Input))
     {
       leftOut += (leftOut.empty() ? "" : ", ") + array;
     }
@@ -144,12 +171,20 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   vtkInformationRequestKey* request, vtkInformation* inInfo, vtkInformation* outInfo)
 {
   this->HasExecuted = false;
+  vtkMultiProcessController* const controller = vtkMultiProcessController::GetGlobalController();
+  const bool isOneOfSeveral = controller && controller->GetNumberOfProcesses() > 1;
+  if (request == vtkPVView::REQUEST_UPDATE() && isOneOfSeveral)
+  {
+    this->AskForShownArrays();
+  }
   const bool isDue = request == vtkPVView::REQUEST_UPDATE() && this->GetNeedsUpdate();
   if (!this->Superclass::ProcessViewRequest(request, inInfo, outInfo))
   {
     return 0;
   }
-  if (isDue && !this->HasExecuted && !vtkPVView::SafeDownCast(this->GetView())->IsCached(this))
+  const bool hasFailed =
+    isDue && !this->HasExecuted && !vtkPVView::SafeDownCast(this->GetView())->IsCached(this);
+  if (hasFailed)
   {
     // The input failed, of which ParaView's pipelines do not tell their proxy: it would wait for this update's end
     // for ever, and have no other when the input is mended.
@@ -157,6 +192,10 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   }
   if (request == vtkPVView::REQUEST_UPDATE())
   {
+    if (isOneOfSeveral)
+    {
+      this->Redistribute(hasFailed);
+    }
     this->UpdateFromAllRanks();
     vtkPVRenderView::SetPiece(inInfo, this, this->Grid);
     vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(inInfo, this, false, false);
@@ -182,8 +221,7 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   {
     vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this);
     this->UpdateMapper(producer);
-    if (auto controller = vtkMultiProcessController::GetGlobalController();
-        controller && controller->GetNumberOfProcesses() > 1)
+    if (isOneOfSeveral)
     {
       this->AgreeOnDrafts(vtkPVRenderView::SafeDownCast(this->GetView())->GetRenderer(),
         [controller](std::array<double, 3>& numbers) {
@@ -198,6 +236,63 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
       this->GetVisibility() && (hasTrees(producer) || this->IsExportedWithoutTrees()));
   }
   return 1;
+}
+
+//------------------------------------------------------------------------------
+// A grid with other arrays takes the place of the one in the view's cache when the pipeline has run again.
+void vtkTreeAMRRepresentation::AskForShownArrays()
+{
+  const std::size_t known = this->TakenArrays.size();
+  this->TakenArrays.merge(this->GetShownArrays());
+  if (this->TakenArrays.size() > known)
+  {
+    this->MarkModified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::Redistribute(bool hasFailed)
+{
+  vtkMultiProcessController* const controller = vtkMultiProcessController::GetGlobalController();
+  const int isNew = this->HasExecuted || hasFailed ? 1 : 0;
+  int isNewOnAny = 0;
+  controller->AllReduce(&isNew, &isNewOnAny, 1, vtkCommunicator::MAX_OP);
+  if (!isNewOnAny)
+  {
+    return;
+  }
+  if (hasFailed)
+  {
+    this->Input =
+      vtkSmartPointer<vtkHyperTreeGrid>::New(); // not what there was before beside the others' new ones
+  }
+  vtkMath::UninitializeBounds(this->LocalBounds);
+  try
+  {
+    treeamr::ExchangeOptions options;
+    options.keepsOrigins = this->HasSelectableCells();
+    for (const std::string& name : this->TakenArrays)
+    {
+      const std::vector<std::string> names =
+        name.empty() ? defaultArrays(*this->Input) : std::vector<std::string>{ name };
+      options.arrays.insert(options.arrays.end(), names.begin(), names.end());
+    }
+    const treeamr::ExchangedGrid made = treeamr::exchangeGrid(this->Input, controller, options);
+    this->Grid = made.grid;
+    for (const std::string& array : made.leftOut)
+    {
+      if (this->SaidOfGrids.insert(array).second)
+      {
+        vtkWarningMacro(<< array << ", and cannot be drawn.");
+      }
+    }
+    treeamr::computeLocalBounds(this->Grid, this->LocalBounds);
+  }
+  catch (const std::exception& e)
+  {
+    this->Grid = vtkSmartPointer<vtkHyperTreeGrid>::New();
+    vtkErrorMacro(<< e.what());
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -241,7 +336,7 @@ void vtkTreeAMRRepresentation::SetVisibility(bool visible)
 //------------------------------------------------------------------------------
 vtkDataObject* vtkTreeAMRRepresentation::GetRenderedDataObject(int vtkNotUsed(port))
 {
-  return this->Grid;
+  return this->Input;
 }
 
 //------------------------------------------------------------------------------

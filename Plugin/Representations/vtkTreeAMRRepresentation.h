@@ -1,8 +1,8 @@
 // What the volume and the isosurface representation share: one vtkHyperTreeGrid that stays on its rank, and a
 // prop.
 //
-// ParaView cannot move a hyper tree grid between ranks, so each rank renders what it holds and the images are
-// composited. Those of a composite input are drawn as one where they lie on one lattice (MergedGrid.h).
+// ParaView cannot move a hyper tree grid between ranks, so each rank gets the cells of a box here, whatever its pipeline gives,
+// renders it, and the images are composited. Those of a composite input are drawn as one where they lie on one lattice (MergedGrid.h).
 
 #ifndef vtkTreeAMRRepresentation_h
 #define vtkTreeAMRRepresentation_h
@@ -62,6 +62,10 @@ protected:
   /// In every update of the view, on every rank, whether or not its pipeline has run: the place for what ranks decide
   /// together, as a reader that failed on one of them must not leave the others waiting.
   virtual void UpdateFromAllRanks() {}
+  /// Names of the cell arrays that the prop shows; an empty one is the first. The same on all ranks.
+  virtual std::set<std::string> GetShownArrays() { return { this->GetColorArrayName() }; }
+  /// Whether cells can be selected, so that it must be known where they came from.
+  virtual bool HasSelectableCells() { return false; }
   /// The isovalues that the prop shows, if interactive frames are drafts of them, else none: see SweepDrafts.
   virtual std::vector<double> GetDraftedIsovalues() = 0;
   /// Before each render: connect the mapper and bring it up to date with the representation.
@@ -80,7 +84,8 @@ protected:
   bool AddToView(vtkView* view) override;
   bool RemoveFromView(vtkView* view) override;
 
-  /// A shallow copy of this rank's grid; without trees where this rank has none.
+  /// What this rank draws: of several the cells of its box and those that the field there depends on (GridExchange.h), of one
+  /// the input; without trees where this rank has none.
   vtkSmartPointer<vtkHyperTreeGrid> Grid;
   /// Of its block in a composite input; 0: it is made of several.
   unsigned int GridFlatIndex = 1;
@@ -92,9 +97,15 @@ private:
   /// Throws treeamr::Error when they are on no lattice.
   void MergeGrids(const std::string& collection, const std::vector<treeamr::NamedGrid>& grids);
 
+  void AskForShownArrays();
+  void Redistribute(bool hasFailed);
+
   vtkNew<SweepDrafts> Drafts;
-  std::string LastLeftOut; // by MergeGrids()
-  std::set<std::string> SaidOfBlocks;
+  vtkSmartPointer<vtkHyperTreeGrid>
+    Input; // a shallow copy of what this rank's pipeline gives, of several grids the merged one
+  std::set<std::string> TakenArrays; // by Redistribute(): all that have been shown, for each costs it once
+  std::string LastLeftOut;           // by MergeGrids()
+  std::set<std::string> SaidOfGrids;
   double LocalBounds[6];
   bool HasExecuted = false; // RequestData(), in this update of the view
 };

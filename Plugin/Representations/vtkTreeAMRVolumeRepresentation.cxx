@@ -110,6 +110,17 @@ void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
 }
 
 //------------------------------------------------------------------------------
+std::set<std::string> vtkTreeAMRVolumeRepresentation::GetShownArrays()
+{
+  std::set<std::string> names = this->Superclass::GetShownArrays();
+  if (this->UsesOpacityArray && !this->OpacityArray.empty())
+  {
+    names.insert(this->OpacityArray);
+  }
+  return names;
+}
+
+//------------------------------------------------------------------------------
 std::vector<double> vtkTreeAMRVolumeRepresentation::GetDraftedIsovalues()
 {
   if (!this->Mapper->GetAutoAdjustSampleDistances() || !this->HasSurfaces())

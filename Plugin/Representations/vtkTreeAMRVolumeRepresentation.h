@@ -109,6 +109,7 @@ protected:
   vtkProp3D* GetProp() override;
   bool NeedsOrderedCompositing() override { return true; }
   void UpdateFromAllRanks() override;
+  std::set<std::string> GetShownArrays() override;
   std::vector<double> GetDraftedIsovalues() override;
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
   void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) override

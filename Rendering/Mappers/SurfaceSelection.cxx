@@ -1,5 +1,7 @@
 #include "SurfaceSelection.h"
 
+#include "GridExchange.h"
+
 #include "vtkHardwareSelector.h"
 #include "vtkHyperTreeGrid.h"
 
@@ -23,7 +25,7 @@ void fillSelection(vtkHardwareSelector* selector, vtkHyperTreeGrid* grid, vtkIdT
   unsigned int compositeIndex, const SurfaceView& view, vtkTreeAMRSurfaceImage& image)
 {
   // Decides whether there is a pass of the high bits; global indices may have gaps.
-  selector->UpdateMaximumCellId(arraySize - 1);
+  selector->UpdateMaximumCellId(largestOrigin(*grid, arraySize));
   // Black in the passes of point ids.
   std::array<float, 3> ofProp{};
   const int pass = selector->GetCurrentPass();
@@ -33,7 +35,6 @@ void fillSelection(vtkHardwareSelector* selector, vtkHyperTreeGrid* grid, vtkIdT
       selector->RenderCompositeIndex(compositeIndex);
       [[fallthrough]];
     case vtkHardwareSelector::ACTOR_PASS:
-    case vtkHardwareSelector::PROCESS_PASS:
       selector->GetPropColorValue(ofProp.data());
       break;
     default:
@@ -41,14 +42,18 @@ void fillSelection(vtkHardwareSelector* selector, vtkHyperTreeGrid* grid, vtkIdT
   }
   const bool low = pass == vtkHardwareSelector::CELL_ID_LOW24;
   const bool high = pass == vtkHardwareSelector::CELL_ID_HIGH24;
+  const bool process = pass == vtkHardwareSelector::PROCESS_PASS;
   const auto color = [&](const SurfaceHit& hit) {
-    if (!low && !high)
+    if (!low && !high && !process)
     {
       return ofProp;
     }
-    const vtkIdType id = globalIndex(*grid, view.surface()->cell(hit));
+    const vtkIdType index = globalIndex(*grid, view.surface()->cell(hit));
+    const CellOrigin origin = cellOrigin(*grid, index, selector->GetProcessID());
     std::array<float, 3> rgb;
-    vtkHardwareSelector::Convert(low ? id : id >> 24, rgb.data());
+    // 0 is for no process.
+    vtkHardwareSelector::Convert(
+      process ? origin.process + 1 : (low ? origin.index : origin.index >> 24), rgb.data());
     return rgb;
   };
   fillHits(view.hits(), view.camera(), color, image);

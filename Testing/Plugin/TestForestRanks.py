@@ -8,7 +8,6 @@ import os
 import sys
 
 from paraview import servermanager, simple
-from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkFeatureEdges
 
 import scene
 
@@ -31,24 +30,6 @@ def check(name, view, bound):
         print(name, "largest difference", difference.max(), "mean", difference.mean())
         assert difference.max() <= bound + (ranks > 2), name
     return image
-
-
-def open_edges(source):
-    """Of the triangles of all ranks, when equal points are one: how many edges have one alone, away from the unit cube's faces."""
-    clean = vtkCleanPolyData()
-    clean.SetInputData(servermanager.Fetch(source))
-    clean.SetTolerance(0)
-    edges = vtkFeatureEdges()
-    edges.SetInputConnection(clean.GetOutputPort())
-    edges.FeatureEdgesOff()
-    edges.ManifoldEdgesOff()
-    edges.Update()
-    found = 0
-    for i in range(edges.GetOutput().GetNumberOfCells()):
-        bounds = edges.GetOutput().GetCell(i).GetBounds()
-        found += not any(
-            bounds[2 * a] == bounds[2 * a + 1] and bounds[2 * a] in (0, 1) for a in range(3))
-    return clean.GetOutput().GetNumberOfPoints(), edges.GetOutput().GetNumberOfCells(), found
 
 
 view = scene.view()
@@ -96,7 +77,7 @@ display.Opacity = 1
 # Triangles of all ranks close.
 contour = simple.TreeAMRContour(Input=reader, ContourBy=["CELLS", "rho"], Isosurfaces=[0.3, 0.6])
 contour.UpdatePipeline()
-points, boundary, inside = open_edges(contour)
+points, boundary, inside = scene.open_edges(contour, 0, 1)
 print("points", points, "edges on the boundary and inside", boundary, inside)
 assert points > 500 and inside == 0
 simple.Hide(reader, view)

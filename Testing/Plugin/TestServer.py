@@ -61,13 +61,15 @@ simple.Render(view)
 surface = scene.drawn(scene.shown(view.GetRenderWindow()))
 assert surface.mean() > 0.1
 
+spread = simple.TreeAMRRedistribute(Input=source)  # as the representation does by itself
+
 # Exporters run on the client, which has no grid, and write the contour of all ranks.
 with tempfile.TemporaryDirectory() as folder:
     path = os.path.join(folder, "isosurface.gltf")
     for isovalues, threshold in (([2.5], 0), ([1.5, 2.5], 1e6)):
         representation.Isovalues = isovalues
         view.RemoteRenderThreshold = threshold
-        points, triangles = scene.contoured(source, ContourBy=["CELLS", "Depth"], Isosurfaces=isovalues)
+        points, triangles = scene.contoured(spread, ContourBy=["CELLS", "Depth"], Isosurfaces=isovalues)
         print(points, "points on", isovalues)
         assert triangles > 1000
         assert scene.exported(path, view) == (points, points, triangles)

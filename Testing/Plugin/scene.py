@@ -8,8 +8,9 @@ import sys
 import unittest
 
 import numpy
-from paraview import simple
+from paraview import servermanager, simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkFeatureEdges
 from vtkmodules.vtkIOImage import vtkPNGReader
 from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 
@@ -105,6 +106,25 @@ def contoured(source, **arguments):
     numbers = information.GetNumberOfPoints(), information.GetNumberOfCells()
     simple.Delete(contour)
     return numbers
+
+
+def open_edges(source, low, high):
+    """Of the triangles of all ranks, when equal points are one: how many points there are, how many edges have one triangle
+    alone, and how many of these do not lie in the faces of the cube from low to high."""
+    clean = vtkCleanPolyData()
+    clean.SetInputData(servermanager.Fetch(source))
+    clean.SetTolerance(0)
+    edges = vtkFeatureEdges()
+    edges.SetInputConnection(clean.GetOutputPort())
+    edges.FeatureEdgesOff()
+    edges.ManifoldEdgesOff()
+    edges.Update()
+    inside = 0
+    for i in range(edges.GetOutput().GetNumberOfCells()):
+        bounds = edges.GetOutput().GetCell(i).GetBounds()
+        inside += not any(
+            bounds[2 * a] == bounds[2 * a + 1] and bounds[2 * a] in (low, high) for a in range(3))
+    return clean.GetOutput().GetNumberOfPoints(), edges.GetOutput().GetNumberOfCells(), inside
 
 
 def array(image):

@@ -10,6 +10,7 @@
 
 #include "vtkBitArray.h"
 #include "vtkCellData.h"
+#include "vtkCommand.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -23,6 +24,7 @@
 #include "vtkShortArray.h"
 #include "vtkSignedCharArray.h"
 #include "vtkStringArray.h"
+#include "vtkTreeAMRRedistributeGrid.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnsignedIntArray.h"
 #include "vtkUnsignedLongLongArray.h"
@@ -30,14 +32,51 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <map>
+#include <new>
 #include <numeric>
 #include <random>
 
 using namespace treeamr;
 using namespace treeamr::test;
+
+namespace
+{
+
+thread_local long untilFailure = 0; // large blocks of this thread; the one that makes it 0 fails
+thread_local bool hasFailed = false;
+
+} // namespace
+
+// Inlined, they would look to the compiler like operators that do not belong together.
+[[gnu::noinline]] void* operator new(std::size_t size)
+{
+  constexpr std::size_t large = 4096;
+  if (size >= large && untilFailure > 0 && --untilFailure == 0)
+  {
+    hasFailed = true;
+    throw std::bad_alloc();
+  }
+  if (void* const block = std::malloc(std::max<std::size_t>(size, 1)))
+  {
+    return block;
+  }
+  throw std::bad_alloc();
+}
+
+[[gnu::noinline]] void operator delete(void* block) noexcept
+{
+  std::free(block);
+}
+
+void operator delete(void* block, std::size_t /*size*/) noexcept
+{
+  operator delete(block);
+}
 
 namespace
 {
@@ -65,7 +104,8 @@ void forEachCounted(vtkHyperTreeGrid* grid, const std::function<void(const Place
   vtkUnsignedCharArray* const ghosts = grid->GetGhostCells();
   forEachLeaf(all, [&](const double* bounds, vtkIdType index) {
     if (!ghosts ||
-      (ghosts->GetValue(index) & (vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::HIDDENCELL)) == 0)
+      (ghosts->GetValue(index) & (vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::HIDDENCELL)) ==
+        0)
     {
       visit(placeOf(bounds), index);
     }
@@ -150,16 +190,18 @@ Grid pieceOf(vtkHyperTreeGrid* grid, const IsKept& isKept, Others others = Other
   return piece;
 }
 
-std::vector<Grid> scattered(vtkHyperTreeGrid* whole, const std::vector<int>& owners, Others others = Others::Masked)
+std::vector<Grid> scattered(
+  vtkHyperTreeGrid* whole, const std::vector<int>& owners, Others others = Others::Masked)
 {
   const int count = *std::ranges::max_element(owners) + 1;
   std::vector<Grid> pieces;
   for (int p = 0; p < count; ++p)
   {
     const bool hasCells = std::ranges::find(owners, p) != owners.end();
-    pieces.push_back(!hasCells ? Grid{}
-                               : pieceOf(
-                                   whole, [&](const Place& place) { return owners[hashOf(place) % owners.size()] == p; }, others));
+    pieces.push_back(!hasCells
+        ? Grid{}
+        : pieceOf(
+            whole, [&](const Place& place) { return owners[hashOf(place) % owners.size()] == p; }, others));
   }
   return pieces;
 }
@@ -469,7 +511,8 @@ TEST(GridExchange, AnErrorOfOneProcessIsOneOfAll)
   const auto whole = makeGrid({ .seed = 17 });
   const auto pieces = scattered(whole, { 0, 1, 2 });
   expectIn(errorOnAll({ pieces[0], pieces[1], makeGrid({ .seed = 17, .roots = { 2, 3, 3 } }) }),
-    "process 2: its lattice of 2 x 3 x 3 roots is not that of process 0, of 2 x 3 x 2; allowed are the same");
+    "hyper tree grid of process 2: its lattice of 2 x 3 x 3 roots is not that of process 0, of 2 x 3 x 2; "
+    "allowed are the same");
 
   vtkNew<vtkHyperTreeGrid> ofThree;
   ofThree->SetBranchFactor(3);
@@ -484,11 +527,88 @@ TEST(GridExchange, AnErrorOfOneProcessIsOneOfAll)
   const auto tooFew = Grid::New();
   tooFew->DeepCopy(pieces[1]);
   tooFew->GetCellData()->GetArray("scalar")->SetNumberOfTuples(5);
-  expectIn(errorOnAll({ pieces[0], tooFew, pieces[2] }), "process 1: hyper tree grid: cell array 'scalar' has 5 tuples");
+  expectIn(errorOnAll({ pieces[0], tooFew, pieces[2] }),
+    "process 1: hyper tree grid: cell array 'scalar' has 5 tuples");
 }
 
 TEST(GridExchange, CellsOfDifferentLevelsMayNotOverlap)
 {
   expectIn(errorOnAll({ makeUniformlyRefinedGrid(2), makeUniformlyRefinedGrid(3), nullptr }),
     "hyper tree grids of processes 0 and 1: cells of different levels overlap at ");
+}
+
+TEST(GridExchange, WithoutMemoryOnOneProcessAllEnd)
+{
+  const auto pieces = scattered(makeUniformlyRefinedGrid(4), { 0, 1, 2 });
+  int failures = 0;
+  for (bool isComplete = false; !isComplete;)
+  {
+    std::vector<std::string> errors(pieces.size());
+    runProcesses(3, [&](vtkMultiProcessController& controller) {
+      const auto own = static_cast<std::size_t>(controller.GetLocalProcessId());
+      hasFailed = false;
+      untilFailure = own == 2 ? failures + 1 : 0;
+      try
+      {
+        exchangeGrid(pieces[own], &controller);
+      }
+      catch (const std::exception& error)
+      {
+        errors[own] = error.what();
+      }
+      untilFailure = 0;
+      isComplete = own == 2 ? !hasFailed : isComplete;
+    });
+    for (const std::string& error : errors)
+    {
+      ASSERT_EQ(error, isComplete ? "" : "process 2: not enough memory") << "after " << failures;
+    }
+    ++failures;
+  }
+  EXPECT_GT(failures, 10);
+}
+
+TEST(RedistributeGrid, MakesTheGridOfABoxOfWhatAllProcessesHave)
+{
+  const auto whole = makeGrid({ .seed = 18 });
+  auto pieces = scattered(whole, { 0, 1 });
+  pieces.push_back(Grid::New());
+  vtkNew<vtkIntArray> cycle;
+  cycle->SetName("cycle");
+  cycle->InsertNextValue(42);
+  pieces[0]->GetFieldData()->AddArray(cycle);
+  for (const bool isRight : { true, false })
+  {
+    if (!isRight)
+    {
+      pieces[1]->GetCellData()->GetArray("scalar")->SetNumberOfTuples(5);
+    }
+    std::vector<std::vector<std::string>> errors(3);
+    Result result{ std::vector<ExchangedGrid>(3), std::vector<std::string>(3), 0 };
+    runProcesses(3, [&](vtkMultiProcessController& controller) {
+      const auto own = static_cast<std::size_t>(controller.GetLocalProcessId());
+      vtkNew<vtkTreeAMRRedistributeGrid> filter;
+      const MessageCatcher messages(filter, vtkCommand::ErrorEvent);
+      filter->SetController(&controller);
+      filter->SetInputDataObject(pieces[own]);
+      filter->Update();
+      errors[own] = messages.messages();
+      result.grids[own].grid = vtkHyperTreeGrid::SafeDownCast(filter->GetOutputDataObject(0));
+    });
+    for (std::size_t p = 0; p < 3; ++p)
+    {
+      EXPECT_EQ(errors[p].size(), isRight ? 0u : 1u);
+      EXPECT_EQ(result.grids[p].grid->GetFieldData()->HasArray("cycle"), p == 0);
+      if (!isRight)
+      {
+        expectIn(
+          errors[p].at(0), "redistribution: process 1: hyper tree grid: cell array 'scalar' has 5 tuples");
+        EXPECT_EQ(countVertices(result.grids[p].grid), 0);
+      }
+    }
+    if (isRight)
+    {
+      expectBoxesOf(whole, result);
+    }
+  }
 }
