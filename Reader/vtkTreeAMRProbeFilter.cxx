@@ -3,10 +3,14 @@
 
 #include "CornerArrays.h"
 #include "FilteredArrays.h"
+#include "GridExchange.h"
+#include "GridPartition.h"
 #include "HyperTreeGridConverter.h"
 #include "LostDigits.h"
 #include "MergedGrid.h"
 #include "OnceReporter.h"
+#include "PieceController.h"
+#include "PointExchange.h"
 
 #include "Error.h"
 #include "Interpolation/Sampler.h"
@@ -392,7 +396,7 @@ int vtkTreeAMRProbeFilter::RequestInformation(
   return 1;
 }
 
-// Each process probes its piece of the points in the whole grid.
+// Each process has its pieces of the points and of the grid.
 int vtkTreeAMRProbeFilter::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
@@ -404,8 +408,10 @@ int vtkTreeAMRProbeFilter::RequestUpdateExtent(
   {
     sourceInfo->Set(SDDP::UPDATE_EXTENT(), sourceInfo->Get(SDDP::WHOLE_EXTENT()), 6);
   }
-  sourceInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), 0);
-  sourceInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), 1);
+  vtkMultiProcessController* const controller =
+    treeamr::pieceController(outputVector->GetInformationObject(0));
+  sourceInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), controller ? controller->GetLocalProcessId() : 0);
+  sourceInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), controller ? controller->GetNumberOfProcesses() : 1);
   sourceInfo->Set(SDDP::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
   return done;
 }
@@ -416,12 +422,25 @@ int vtkTreeAMRProbeFilter::RequestData(
   vtkDataSet* output = vtkDataSet::GetData(outputVector);
   try
   {
-    CheckInputs(vtkDataObject::GetData(inputVector[0]), vtkDataObject::GetData(inputVector[1]));
     vtkDataSet* input = vtkDataSet::GetData(inputVector[0]);
     std::vector<std::string> remarks;
-    const auto source = OneGrid(vtkDataObject::GetData(inputVector[1]), remarks);
-    output->CopyStructure(input);
-    this->Probe(input, source, remarks, output);
+    vtkSmartPointer<vtkHyperTreeGrid> source;
+    const auto findSource = [&] {
+      CheckInputs(vtkDataObject::GetData(inputVector[0]), vtkDataObject::GetData(inputVector[1]));
+      source = OneGrid(vtkDataObject::GetData(inputVector[1]), remarks);
+      output->CopyStructure(input);
+    };
+    if (auto* const controller = treeamr::pieceController(outputVector->GetInformationObject(0)))
+    {
+      const treeamr::ProcessGroup group(*controller);
+      group.together(findSource);
+      this->ProbeOnAll(group, input, source, remarks, output);
+    }
+    else
+    {
+      findSource();
+      this->Probe(input, source, remarks, output);
+    }
     if (this->PassPointArrays)
     {
       PassArrays(input->GetPointData(), output->GetPointData());
@@ -444,6 +463,71 @@ int vtkTreeAMRProbeFilter::RequestData(
     return 0;
   }
   return 1;
+}
+
+// The grid's cells go to the processes' boxes, the points to those in whose boxes they lie, and the values back.
+void vtkTreeAMRProbeFilter::ProbeOnAll(const treeamr::ProcessGroup& group, vtkDataSet* input,
+  vtkHyperTreeGrid* source, const std::vector<std::string>& remarksOnSource, vtkDataSet* output)
+{
+  std::vector<std::string> names;
+  group.together(
+    [&] { names = treeamr::takenArrays(*source, *this->CellDataArraySelection, this->SelectionIsFinal); });
+  const treeamr::ExchangedGrid exchanged = treeamr::exchangeGrid(source, &group.controller(), { names });
+  std::vector<std::string> remarks = remarksOnSource;
+  for (const std::string& array : exchanged.leftOut)
+  {
+    remarks.push_back("probe: left out of Source: " + array);
+  }
+  if (!group.any(treeamr::partitionOf(*exchanged.grid).has_value()))
+  {
+    throw treeamr::Error("probe: the source holds no tree on any process");
+  }
+  const treeamr::PointExchange exchange(group, *exchanged.grid, *input);
+  vtkNew<vtkPolyData> answers;
+  std::string failure;
+  const bool hasTrees = !treeamr::gridsWithTrees(exchanged.grid).empty();
+  group.together([&] {
+    try
+    {
+      if (hasTrees)
+      {
+        this->Probe(&exchange.asked(), exchanged.grid, remarks, answers);
+      }
+    }
+    catch (const treeamr::Error& error)
+    {
+      failure = error.what(); // as where all values are NaN: others may have some
+    }
+  });
+  const bool isAnswered = group.any(hasTrees && failure.empty());
+  group.together([&] {
+    if (!isAnswered && !failure.empty())
+    {
+      throw treeamr::Error(failure);
+    }
+  });
+  exchange.answer(*answers->GetPointData(), *output->GetPointData());
+  group.together([&] {
+    vtkDataArray* mask = output->GetPointData()->GetArray(this->ValidPointMaskArrayName);
+    if (!mask)
+    {
+      vtkNew<vtkCharArray> none;
+      none->SetName(this->ValidPointMaskArrayName);
+      none->SetNumberOfValues(input->GetNumberOfPoints());
+      none->Fill(0.);
+      output->GetPointData()->AddArray(none);
+      mask = none;
+    }
+    std::vector<char> valid(static_cast<std::size_t>(input->GetNumberOfPoints()));
+    for (std::size_t i = 0; i < valid.size(); ++i)
+    {
+      valid[i] = static_cast<char>(mask->GetComponent(static_cast<vtkIdType>(i), 0));
+    }
+    for (int i = 0; i < output->GetPointData()->GetNumberOfArrays(); ++i)
+    {
+      ClearOutside(output->GetPointData()->GetArray(i), valid);
+    }
+  });
 }
 
 void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source,

@@ -39,6 +39,7 @@ class vtkHyperTreeGrid;
 namespace treeamr
 {
 class OnceReporter;
+class ProcessGroup;
 }
 
 class VTKTREEAMRREADER_EXPORT vtkTreeAMRProbeFilter : public vtkDataSetAlgorithm
@@ -155,6 +156,8 @@ private:
   vtkTreeAMRProbeFilter(const vtkTreeAMRProbeFilter&) = delete;
   void operator=(const vtkTreeAMRProbeFilter&) = delete;
 
+  void ProbeOnAll(const treeamr::ProcessGroup& group, vtkDataSet* input, vtkHyperTreeGrid* source,
+    const std::vector<std::string>& remarksOnSource, vtkDataSet* output);
   void Probe(vtkDataSet* input, vtkHyperTreeGrid* source, const std::vector<std::string>& remarksOnSource,
     vtkDataSet* output);
 

@@ -1,6 +1,7 @@
 // Boxes of a domain, and what has to be held around one: the field inside is then that of all cells, bit for bit.
 #include "Contour/Contour.h"
 #include "Partition/BoxCuts.h"
+#include "Partition/BoxTree.h"
 #include "Partition/FieldSupport.h"
 #include "Support/FieldVertices.h"
 #include "Support/Fields.h"
@@ -300,6 +301,35 @@ TEST(BoxCuts, FillTheDomainWithAboutAsManyCellsEach)
     }
     const double most = static_cast<double>(*std::ranges::max_element(owned));
     EXPECT_LT(most, 1.25 * static_cast<double>(cells.size()) / parts) << parts;
+  }
+}
+
+TEST(BoxTree, FindsTheBoxOfEachPlace)
+{
+  for (const int parts : { 1, 2, 3, 7, 40 })
+  {
+    const std::array<int, 3> roots{ 3, 2, 1 };
+    CellHistogram histogram(roots, 2);
+    for (const LeafCell& leaf : makeRandomTree({ .seed = 3, .roots = roots, .levels = 5, .refine = 0.8 }))
+    {
+      histogram.add(leaf.cell);
+    }
+    std::vector<LatticeBox> boxes = cutBoxes(histogram, parts);
+    boxes.insert(boxes.begin() + 1, { 2, { 1, 1, 1 }, { 1, 1, 1 } }); // an empty one
+    const BoxTree tree(boxes);
+    for (Coord z = -1; z <= 4; ++z)
+    {
+      for (Coord y = -1; y <= 8; ++y)
+      {
+        for (Coord x = -1; x <= 12; ++x)
+        {
+          const auto around = std::ranges::find_if(boxes, [&](const LatticeBox& box) {
+            return box.owns({ { x, y, z }, 2 });
+          });
+          EXPECT_EQ(tree.find({ x, y, z }), around == boxes.end() ? -1 : around - boxes.begin());
+        }
+      }
+    }
   }
 }
 

@@ -7,7 +7,9 @@ TestForestRanks.py <forest> <folder> <port>    a client of serve.py
 import os
 import sys
 
+import numpy
 from paraview import servermanager, simple
+from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import scene
 
@@ -86,6 +88,24 @@ simple.ColorBy(shown, None)
 check("contour", view, 2)
 simple.Hide(contour, view)
 simple.Show(reader, view)
+
+# Points of all ranks get the values of whichever rank has them, and those outside none.
+for name, points in (("sphere", simple.Sphere(
+        Center=[0.5, 0.5, 0.5], Radius=0.55, ThetaResolution=64, PhiResolution=64)),
+                     ("line", simple.Line(Point1=[0, 0, 0], Point2=[1, 1, 1], Resolution=1000))):
+    probe = simple.TreeAMRProbe(Input=points, Source=reader, ComputeGradients=1)
+    probe.UpdatePipeline()
+    data = servermanager.Fetch(probe)
+    arrays = [vtk_to_numpy(data.GetPoints().GetData())] + [
+        vtk_to_numpy(data.GetPointData().GetArray(array)) for array in ("rho", "rho_gradient", "vtkValidPointMask")]
+    rows = numpy.unique(numpy.column_stack([array.reshape(len(arrays[0]), -1) for array in arrays]), axis=0)
+    print(name, "points", len(rows), "inside", int(rows[:, -1].sum()))
+    assert 0.2 * len(rows) < rows[:, -1].sum() <= len(rows)
+    path = os.path.join(sys.argv[-1], f"forest-{name}.npy")
+    if ranks == 1:
+        numpy.save(path, rows)
+    else:
+        assert (rows == numpy.load(path)).all()
 
 # All cells are counted once: they fill the unit cube.
 integral = simple.IntegrateVariables(Input=simple.HyperTreeGridToUnstructuredGrid(Input=reader))
