@@ -7,9 +7,12 @@
 #include "LostDigits.h"
 #include "MergedGrid.h"
 #include "OnceReporter.h"
+#include "PieceController.h"
+#include "ProcessGroup.h"
 
 #include "Contour/Contour.h"
 #include "Error.h"
+#include "GridExchange.h"
 #include "GridPartition.h"
 #include "Interpolation/Sampler.h"
 #include "Surface/SurfaceFrame.h"
@@ -317,7 +320,14 @@ int vtkTreeAMRContourFilter::RequestData(
   vtkPolyData* output = vtkPolyData::GetData(outputVector);
   try
   {
-    this->ContourAll(input, output);
+    if (auto* const controller = treeamr::pieceController(outputVector->GetInformationObject(0)))
+    {
+      this->ContourOnAll(treeamr::ProcessGroup(*controller), input, output);
+    }
+    else
+    {
+      this->ContourAll(input, output);
+    }
     this->Warnings->endRound();
   }
   catch (const std::exception& e)
@@ -327,6 +337,41 @@ int vtkTreeAMRContourFilter::RequestData(
     return 0;
   }
   return 1;
+}
+
+// The processes' grids as one, of which each contours its box; collections as each process can by itself.
+void vtkTreeAMRContourFilter::ContourOnAll(
+  const treeamr::ProcessGroup& group, vtkDataObject* input, vtkPolyData* output)
+{
+  std::vector<treeamr::NamedGrid> grids;
+  std::vector<std::string> arrays;
+  group.together([&] {
+    grids = treeamr::gridsWithTrees(input);
+    if (grids.size() == 1)
+    {
+      vtkHyperTreeGrid* const grid = grids.front().grid;
+      arrays = treeamr::takenArrays(*grid, *this->CellDataArraySelection, this->SelectionIsFinal);
+      arrays.push_back(NameOf(this->GetInputArrayToProcess(0, grid), this->GetInputArrayInformation(0)));
+    }
+  });
+  if (group.any(grids.size() > 1 || (!grids.empty() && !vtkHyperTreeGrid::SafeDownCast(input))))
+  {
+    group.together([&] { this->ContourAll(input, output); });
+    return;
+  }
+  const treeamr::ExchangedGrid exchanged =
+    treeamr::exchangeGrid(grids.empty() ? nullptr : grids.front().grid, &group.controller(), { arrays });
+  group.together([&] {
+    for (const std::string& array : exchanged.leftOut)
+    {
+      const std::string text = "contour: left out: " + array;
+      this->Warn({ text, text });
+    }
+    if (exchanged.grid && !treeamr::gridsWithTrees(exchanged.grid).empty())
+    {
+      this->Contour(exchanged.grid, output);
+    }
+  });
 }
 
 // Grids on one lattice as one, without seams; others one by one.

@@ -34,6 +34,7 @@ class vtkHyperTreeGrid;
 namespace treeamr
 {
 class OnceReporter;
+class ProcessGroup;
 struct Remark;
 } // namespace treeamr
 
@@ -134,6 +135,7 @@ private:
   vtkTreeAMRContourFilter(const vtkTreeAMRContourFilter&) = delete;
   void operator=(const vtkTreeAMRContourFilter&) = delete;
 
+  void ContourOnAll(const treeamr::ProcessGroup& group, vtkDataObject* input, vtkPolyData* output);
   void ContourAll(vtkDataObject* input, vtkPolyData* output);
   void Contour(vtkHyperTreeGrid* input, vtkPolyData* output);
   void Warn(const treeamr::Remark& remark);
