@@ -9,6 +9,7 @@
 #include "OwnLeaves.h"
 #include "ProcessGroup.h"
 #include "SharedArrays.h"
+#include "WholeRange.h"
 
 #include "Partition/BoxCuts.h"
 
@@ -343,7 +344,9 @@ ExchangedGrid exchangeGrid(
     return { local, {} };
   }
   const ProcessGroup group(*controller);
-  return GridExchange(group, local).run(options);
+  ExchangedGrid exchanged = GridExchange(group, local).run(options);
+  exchanged.grid = withWholeRanges(group, exchanged.grid);
+  return exchanged;
 }
 
 CellOrigin cellOrigin(vtkHyperTreeGrid& grid, vtkIdType index, int own)

@@ -177,7 +177,8 @@ private:
   /// The field itself where floats hold its digits, else the same less an offset.
   static Field withOffset(Field field, const HyperTreeGridTopology& topology, const CellValues& values)
   {
-    if (const Range range = field.range(); range.min == range.max)
+    const auto rangeOf = [&](const Field& of) { return values.wholeRange(of.offset()).value_or(of.range()); };
+    if (const Range range = rangeOf(field); range.min == range.max)
     {
       // One value, of which float may have all digits.
       std::atomic<bool> rounded{ false };
@@ -194,7 +195,7 @@ private:
     }
     for (int i = 0; i < offsetRounds; ++i)
     {
-      const Range range = field.range();
+      const Range range = rangeOf(field);
       const double offset = offsetFor(range.min, range.max, field.offset());
       if (offset == field.offset())
       {
@@ -202,7 +203,8 @@ private:
       }
       const std::shared_ptr<const Octree> octree = field.sharedOctree();
       const RelativeValues relative(values, offset);
-      field = Field(octree, gatherLeafValues(*octree, HyperTreeGridSource(topology, relative)), offset);
+      field = Field(octree, gatherLeafValues(*octree, HyperTreeGridSource(topology, relative)), offset,
+        values.wholeRange(offset));
     }
     return field;
   }
@@ -262,11 +264,17 @@ private:
     if (std::shared_ptr<const Octree> octree = cached.lock())
     {
       treeamr::LargeVector<float> leafValues = gatherLeafValues(*octree, source);
-      return Field(std::move(octree), std::move(leafValues));
+      return Field(std::move(octree), std::move(leafValues), 0., wholeRange(values));
     }
     OctreeAndValues built = buildOctree(topology.rootGrid(), source);
     cached = built.octree;
-    return Field(std::move(built.octree), std::move(built.values));
+    return Field(std::move(built.octree), std::move(built.values), 0., wholeRange(values));
+  }
+  static std::optional<Range> wholeRange(const CellValues& values) { return values.wholeRange(0.); }
+  template <class Values>
+  static std::optional<Range> wholeRange(const Values& /*values*/)
+  {
+    return std::nullopt; // of numbers that this process counts
   }
 
   static vtkSmartPointer<vtkDataArray> arrayOf(const std::vector<double>& numbers, const CellValues& values)
@@ -388,8 +396,7 @@ vtkDataArray& numericCellArray(vtkHyperTreeGrid& grid, const std::string& name)
     }
   }
   throw Error("hyper tree grid: cell array '" + name + "' does not exist; there are: " +
-    (names.empty() ? "none; give the cells an array of numbers"
-                   : names + "; select one of them"));
+    (names.empty() ? "none; give the cells an array of numbers" : names + "; select one of them"));
 }
 
 void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6])

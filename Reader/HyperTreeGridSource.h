@@ -6,6 +6,7 @@
 #include "CornerArrays.h"
 #include "HyperTreeGridConverter.h"
 #include "HyperTreeGridTopology.h"
+#include "WholeRange.h"
 
 #include "Octree/OctreeBuilder.h"
 
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
 namespace treeamr
 {
@@ -37,6 +39,7 @@ public:
         std::to_string(componentCount_ - 1) + " and negative for the magnitude");
     }
     component_ = isAtCorners_ ? -1 : componentCount_ == 1 ? 0 : std::max(selection.component, -1);
+    wholeRange_ = treeamr::wholeRange(grid, selection.name, component_);
     if (array_->GetNumberOfTuples() < indexEnd)
     {
       throw Error(name + "has " + std::to_string(array_->GetNumberOfTuples()) + " tuples, the cells need " +
@@ -112,6 +115,11 @@ public:
     digest.add(std::uint64_t(array_->GetDataType()));
     digest.add(std::uint64_t(componentCount_));
     digest.add(std::uint64_t(isAtCorners_));
+    if (wholeRange_)
+    {
+      digest.add((*wholeRange_)[0]);
+      digest.add((*wholeRange_)[1]);
+    }
     const vtkIdType count = array_->GetNumberOfValues();
     if (array_->HasStandardMemoryLayout() && array_->GetDataType() != VTK_BIT)
     {
@@ -128,6 +136,14 @@ public:
       digest.add(array_->GetComponent(i / componentCount_, static_cast<int>(i % componentCount_)));
     }
     return digest;
+  }
+
+  /// Of what other processes hold, too, as floats less an offset; none: nobody has agreed on one.
+  std::optional<Range> wholeRange(double offset) const
+  {
+    return wholeRange_ && !isAtCorners_ ? std::optional(Range{ static_cast<float>((*wholeRange_)[0] - offset),
+                                            static_cast<float>((*wholeRange_)[1] - offset) })
+                                        : std::nullopt;
   }
 
   vtkDataArray& array() const noexcept { return *array_; }
@@ -187,6 +203,7 @@ private:
   int componentCount_ = 0;
   int component_ = 0;
   bool isAtCorners_ = false;
+  std::optional<std::array<double, 2>> wholeRange_;
 };
 
 /// The same less an offset. Keeps a reference to the values.

@@ -17,7 +17,8 @@
 namespace treeamr
 {
 
-Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset)
+Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset,
+  const std::optional<Range>& whole)
   : octree_(std::move(octree))
   , values_(std::move(values))
   , offset_(offset == 0. ? -0. : offset)
@@ -37,7 +38,7 @@ Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, do
     throw Error("field: offset " + std::to_string(offset_) + ", allowed are finite ones");
   }
   checkAndMeasureValues();
-  computeMeans();
+  computeMeans(whole.value_or(range_));
 }
 
 Field Field::ofCorners(std::shared_ptr<const Octree> octree, const CornerSource& corners, double offset)
@@ -98,13 +99,13 @@ void Field::checkAndMeasureValues()
 
 /// From the deepest nodes upwards. The volumes are the covered parts of nodes, 1 = all, which differ between
 /// siblings where cells are missing; they are kept for two depths, and not at all while nothing is missing.
-void Field::computeMeans()
+void Field::computeMeans(const Range& whole)
 {
   const Octree& octree = *octree_;
   means_.resize(octree.innerCount());
-  meanBase_ = range_.min > 0.f && range_.max < 2.f * range_.min ? range_.min
-    : range_.max < 0.f && range_.min > 2.f * range_.max         ? range_.max
-                                                                : 0.;
+  meanBase_ = whole.min > 0.f && whole.max < 2.f * whole.min ? whole.min
+    : whole.max < 0.f && whole.min > 2.f * whole.max         ? whole.max
+                                                             : 0.;
   LargeVector<double> volumes;
   LargeVector<double> volumesBelow;
   for (int depth = octree.innerDepths(); depth-- > 0;)

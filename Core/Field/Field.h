@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 namespace treeamr
 {
@@ -28,9 +29,11 @@ class Field
 {
 public:
   /// offset + values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
-  /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume. Throws Error, also
+  /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume. whole: the hull of the values,
+  /// less the offset, that other processes hold, too, so that all round means alike; none: these are all. Throws Error, also
   /// without an octree and for another number of values.
-  Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset = 0.);
+  Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset = 0.,
+    const std::optional<Range>& whole = {});
   /// Copies them.
   template <class Allocator>
   Field(std::shared_ptr<const Octree> octree, const std::vector<float, Allocator>& values, double offset = 0.)
@@ -78,7 +81,7 @@ public:
 
 private:
   void checkAndMeasureValues();
-  void computeMeans();
+  void computeMeans(const Range& whole);
 
   struct SharedRanges
   {
