@@ -102,7 +102,7 @@ if grid.GetCellData().HasArray('rho'):
 contour = simple.TreeAMRContour(
     Input=pressure, ContourBy=["CELLS", "pressure"], Isosurfaces=[101325.0003, 101325.0006])
 contour.UpdatePipeline()
-points, boundary, inside = open_edges(contour)
+points, boundary, inside = scene.open_edges(contour, 0, 1)
 print("points", points, "edges on the boundary and inside", boundary, inside)
 assert points > 500 and inside == 0
 
