@@ -235,8 +235,10 @@ void ForestPiece::cutBoxes(int pieces)
 
 ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places) const
 {
-  // The border is as wide as this level's nodes: most cells that are needed lie in it.
+  // The border is as wide as this level's nodes or, where these have many quadrants, smaller ones: most cells that are needed
+  // lie in it, and those read for nothing do not grow with the box.
   const int borderLevel = std::min(box().level + 1, P4estForestFile::maxLevel);
+  constexpr std::uint64_t fewQuadrants = 512;
   const auto near = [this](const CellId& cell, Coord reach) {
     CellId first = cell;
     CellId last = cell;
@@ -252,6 +254,17 @@ ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places)
   const auto isDeep = [&](const CellId& cell) {
     const auto [first, last] = near(cell, 5);
     return box().contains(first) && box().contains(last);
+  };
+  // Of a node deeper than the border's level: whether it meets the box or is the next to one that does.
+  const auto isBeside = [&](const CellId& cell) {
+    const auto [first, last] = near(cell, 1);
+    const int finer = cell.level - box().level;
+    bool beside = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      beside = beside && last.index[a] >= box().begin[a] << finer && first.index[a] < box().end[a] << finer;
+    }
+    return beside;
   };
   LatticeBox wide = box();
   for (int a = 0; a < 3; ++a)
@@ -273,7 +286,7 @@ ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places)
     Listed listed;
     walks.local().visit(places[i], [&](const Place& place) {
       const CellId cell = lattice_.cellOf(place.tree, place.index, place.level);
-      if (!wide.meets(cell))
+      if (!wide.meets(cell) || (cell.level > borderLevel && !isBeside(cell)))
       {
         return false;
       }
@@ -283,7 +296,7 @@ ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places)
         listed.inBox.push_back(place.range);
         return false;
       }
-      if (!place.isLeaf() && place.level < borderLevel)
+      if (!place.isLeaf() && (place.level < borderLevel || place.range.count() > fewQuadrants))
       {
         return true;
       }

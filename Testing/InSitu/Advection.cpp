@@ -18,8 +18,8 @@ namespace
 
 using Point = std::array<double, 3>;
 
-constexpr double refineAbove = 0.08;
-constexpr double coarsenBelow = 0.02;
+constexpr double refineAbove = 0.04;
+constexpr double coarsenBelow = 0.01;
 constexpr double courantNumber = 0.4;
 constexpr double fastest = 2.; // component of the flow
 constexpr int stepsPerForest = 4;
