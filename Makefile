@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs bench-ranks compare-frames report report-brief install clean
+.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -87,6 +87,12 @@ bench-vs: bench $(PEER_FORESTS:%=$(BENCH)/%.p8est)
 # What 1 to 8 ranks of pvbatch hold, and how far their pictures are from one's, half an hour on two cores.
 bench-ranks: build $(BENCH)/mandelbulb-2.6M.p8est $(BENCH)/mandelbulb-20M.p8est
 	. $(BUILD)/env.sh && $(XVFB) python3 Testing/Benchmark/ranks.py $(BENCH)
+
+# What processes hold and read of the forests' files, for Documentation/parallel.md: a few minutes.
+bench-pieces: build $(BENCH)/mandelbulb-2.6M.p8est $(BENCH)/mandelbulb-20M.p8est
+	for forest in 2.6M 20M; do \
+	  $(BUILD)/bin/treeamr-pieces $(BENCH)/mandelbulb-$$forest.p8est 1 2 3 4 8 16 64 256 1024 4096 || exit; \
+	done
 
 # What must not change a picture has not: the frames of this build beside those of OTHER, a build of another commit,
 # equal to the bit or by TOLERANCE a channel at most. A few minutes.

@@ -21,15 +21,17 @@ def show(representation):
     return view, display
 
 
+volume, display = show("Tree AMR Volume")
+display.ScalarOpacityUnitDistance = 0.03
+display.SamplesPerCell = 8  # so that rays of ranks behind others take as many as of one
+isosurface, display = show("Tree AMR Isosurface")
+display.Isovalues = [0.3]
+
+# After all that shows the dye: each rank runs this script, and until then has the range of its own cells.
 colours = simple.GetColorTransferFunction("dye")
 colours.RescaleTransferFunction(0, 1)
 opacities = simple.GetOpacityTransferFunction("dye")
 opacities.Points = [0, 0, 0.5, 0, 0.05, 0, 0.5, 0, 1, 0.5, 0.5, 0]
-
-volume, display = show("Tree AMR Volume")
-display.ScalarOpacityUnitDistance = 0.03
-isosurface, display = show("Tree AMR Isosurface")
-display.Isovalues = [0.3]
 
 for view, name in ((volume, "volume"), (isosurface, "isosurface")):
     extractor = simple.CreateExtractor("PNG", view, registrationName=name)

@@ -25,5 +25,9 @@ for kind in ("volume", "isosurface"):
         before = one
         for ranks, other in ((2, two), (4, four)):
             difference = abs(one - other)
-            print(kind, step, ranks, "ranks: largest difference", difference.max(), "mean", difference.mean())
-            assert difference.mean() < (1 if ranks == 2 else 8) # they know nothing of each other
+            far = (difference.max(axis=2) > 2).mean()
+            print(kind, step, ranks, "ranks: largest difference", difference.max(), "mean", difference.mean(), "far", far)
+            # Colours and opacities of each rank are rounded to 8 bits before they are composited: seen are 4, and 3 or 4 in
+            # 77 of 160,000 pixels; no seam.
+            assert difference.max() <= (4 if kind == "volume" else 1)
+            assert far < 0.001
