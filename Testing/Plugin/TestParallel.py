@@ -16,7 +16,7 @@ import scene
 # composited.
 BOUNDS = {
     "Volume": 2, "Isosurface": 1, "Both": 2, "Uniform": 2, "Hexahedra": 2, "Copies": 2, "FirstRank": 2,
-    "Redistributed": 1}
+    "OtherArray": 2, "TwoArrays": 2, "Redistributed": 1}
 
 
 def closed(contour):
@@ -119,6 +119,27 @@ else:
         shown.SamplesPerCell = 8
         scene.picture(view, f"{name}-{ranks}")
         simple.Hide(made, view)
+
+    # Arrays that are shown later on are sent then.
+    more = simple.ProgrammableFilter(Input=source, OutputDataSetType="Same as Input", Script="""
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+height = numpy_to_vtk(5 - vtk_to_numpy(grid.GetCellData().GetArray('Depth')), deep=1)
+height.SetName('Height')
+grid.GetCellData().AddArray(height)
+""")
+    shown = simple.Show(more, view)
+    simple.ColorBy(shown, ("CELLS", "Depth"))
+    shown.SetRepresentationType("Tree AMR Volume")
+    shown.SamplesPerCell = 8
+    simple.Render(view)
+    simple.ColorBy(shown, ("CELLS", "Height"))
+    scene.picture(view, f"OtherArray-{ranks}")
+    shown.UseSeparateOpacityArray = 1
+    shown.OpacityArrayName = ["CELLS", "Depth"]
+    scene.picture(view, f"TwoArrays-{ranks}")
+    simple.Hide(more, view)
 
     # All cells alike: what is seen is how ranks are composited.
     simple.Show(source, view)
