@@ -39,7 +39,7 @@ constexpr std::array<unsigned, 27> touchingChildren = [] {
   return masks;
 }();
 
-/// Of nodes, set by several threads.
+/// Of nodes, set and read by several threads.
 class Marks
 {
 public:
@@ -57,14 +57,15 @@ public:
   }
   bool has(NodeRef node, std::uint8_t mark) const noexcept
   {
-    return ((node.isLeaf() ? ofLeaf_ : ofInner_)[node.index()] & mark) != 0;
+    return (std::atomic_ref<std::uint8_t>(of(node)).load(std::memory_order_relaxed) & mark) != 0;
   }
 
 private:
-  std::uint8_t& of(NodeRef node) noexcept { return (node.isLeaf() ? ofLeaf_ : ofInner_)[node.index()]; }
+  std::uint8_t& of(NodeRef node) const noexcept { return (node.isLeaf() ? ofLeaf_ : ofInner_)[node.index()]; }
 
-  std::vector<std::uint8_t> ofLeaf_;
-  std::vector<std::uint8_t> ofInner_;
+  // Mutable, for only what is not const can be read atomically.
+  mutable std::vector<std::uint8_t> ofLeaf_;
+  mutable std::vector<std::uint8_t> ofInner_;
 };
 
 constexpr std::uint8_t isNeeded = 1;    // with all below it
