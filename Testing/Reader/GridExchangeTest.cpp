@@ -559,7 +559,10 @@ TEST(GridExchange, WithoutMemoryOnOneProcessAllEnd)
         errors[own] = error.what();
       }
       untilFailure = 0;
-      isComplete = own == 2 ? !hasFailed : isComplete;
+      if (own == 2)
+      {
+        isComplete = !hasFailed;
+      }
     });
     for (const std::string& error : errors)
     {
