@@ -74,18 +74,21 @@ std::byte* tuplesOf(vtkDataArray& array)
   return static_cast<std::byte*>(array.GetVoidPointer(0));
 }
 
-/// Of the first `count` answers from `first` on.
+/// Of `count` answers from `first` on. Arrays are told without any, too: all processes are to have the same.
 Bytes packed(vtkPointData& answers, std::size_t first, std::size_t count)
 {
   Bytes bytes;
-  for (int i = 0; count > 0 && i < answers.GetNumberOfArrays(); ++i)
+  for (int i = 0; i < answers.GetNumberOfArrays(); ++i)
   {
     vtkDataArray* const array = answers.GetArray(i);
     const std::string name = array->GetName();
     const ArrayHead head{ array->GetDataType(), array->GetNumberOfComponents(), name.size() };
     append(bytes, &head, sizeof(head));
     append(bytes, name.data(), name.size());
-    append(bytes, tuplesOf(*array) + first * tupleBytes(*array), count * tupleBytes(*array));
+    if (count > 0)
+    {
+      append(bytes, tuplesOf(*array) + first * tupleBytes(*array), count * tupleBytes(*array));
+    }
   }
   return bytes;
 }

@@ -26,8 +26,8 @@ public:
 
   /// Those of all processes in this one's box: points alone.
   vtkPolyData& asked() const { return *asked_; }
-  /// answers: of asked(), arrays of numbers in memory, not the same ones on all processes. Adds to `data` the arrays that some
-  /// have, with the answers to this process' points; others are NaN, of integers 0.
+  /// answers: of asked(), arrays of numbers in memory, not the same ones on all processes. Adds to `data`, on all, the arrays
+  /// that some have, with the answers to this process' points; others are NaN, of integers 0.
   void answer(vtkPointData& answers, vtkPointData& data) const;
 
 private:

@@ -124,6 +124,13 @@ for name, points in (("sphere", simple.Sphere(
     else:
         assert (rows == numpy.load(path)).all()
 
+# Ranks whose points lie outside have the arrays, too: none is partial.
+outside = simple.TreeAMRProbe(
+    Input=simple.Wavelet(WholeExtent=[0, 20, 0, 3, 0, 3]), Source=reader)
+outside.UpdatePipeline()
+information = outside.SMProxy.GetDataInformation(0).GetPointDataInformation().GetArrayInformation("rho")
+assert information and not information.GetIsPartial(), "the probe's array is partial"
+
 # All cells are counted once: they fill the unit cube.
 integral = simple.IntegrateVariables(Input=simple.HyperTreeGridToUnstructuredGrid(Input=reader))
 integral.UpdatePipeline()
