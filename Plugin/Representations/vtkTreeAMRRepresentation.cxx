@@ -6,6 +6,7 @@
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkCommunicator.h"
+#include "vtkCompositeRepresentation.h"
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
@@ -21,6 +22,7 @@
 
 #include "Error.h"
 #include "GridExchange.h"
+#include "GridPartition.h"
 #include "HyperTreeGridConverter.h"
 #include "MergedGrid.h"
 
@@ -212,6 +214,10 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
     {
       outInfo->Set(vtkPVRenderView::NEED_ORDERED_COMPOSITING(), 1);
     }
+    if (isOneOfSeveral && controller->GetLocalProcessId() == 0)
+    {
+      this->WarnOfOtherBoxes();
+    }
   }
   else if (request == vtkPVView::REQUEST_UPDATE_LOD())
   {
@@ -247,6 +253,39 @@ void vtkTreeAMRRepresentation::AskForShownArrays()
   if (this->TakenArrays.size() > known)
   {
     this->MarkModified();
+  }
+}
+
+//------------------------------------------------------------------------------
+// Ranks are composited whole, one in front of the other: right where all have the same boxes.
+void vtkTreeAMRRepresentation::WarnOfOtherBoxes()
+{
+  const auto own = treeamr::partitionOf(*this->Grid);
+  for (int i = 0; own && i < this->GetView()->GetNumberOfRepresentations(); ++i)
+  {
+    vtkObject* shown = this->GetView()->GetRepresentation(i);
+    if (auto composite = vtkCompositeRepresentation::SafeDownCast(shown))
+    {
+      shown = composite->GetActiveRepresentation();
+    }
+    auto* const other = vtkTreeAMRRepresentation::SafeDownCast(shown);
+    if (!other || other == this || !other->GetVisibility() ||
+      !(this->NeedsOrderedCompositing() || other->NeedsOrderedCompositing()))
+    {
+      continue;
+    }
+    const auto theirs = treeamr::partitionOf(*other->Grid);
+    std::array<double, 6> bounds;
+    std::array<double, 6> theirBounds;
+    this->Grid->GetBounds(bounds.data());
+    other->Grid->GetBounds(theirBounds.data());
+    const bool isAlike = !theirs || (theirs->boxes == own->boxes && bounds == theirBounds);
+    if (!isAlike && this->SaidOfGrids.insert("boxes").second)
+    {
+      vtkWarningMacro(
+        "Two grids of one view are divided among the ranks in different ways: where they overlap, what "
+        "is translucent may be drawn in the wrong order. One rank draws them right.");
+    }
   }
 }
 

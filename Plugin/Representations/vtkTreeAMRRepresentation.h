@@ -99,6 +99,7 @@ private:
 
   void AskForShownArrays();
   void Redistribute(bool hasFailed);
+  void WarnOfOtherBoxes();
 
   vtkNew<SweepDrafts> Drafts;
   vtkSmartPointer<vtkHyperTreeGrid>
