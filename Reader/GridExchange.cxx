@@ -345,7 +345,7 @@ ExchangedGrid exchangeGrid(
   }
   const ProcessGroup group(*controller);
   ExchangedGrid exchanged = GridExchange(group, local).run(options);
-  exchanged.grid = withWholeRanges(group, exchanged.grid);
+  exchanged.grid = withWholeRanges(group, exchanged.grid, options.mayChange || exchanged.grid != local);
   return exchanged;
 }
 

@@ -22,6 +22,9 @@ struct ExchangeOptions
   std::vector<std::string> arrays{};
   /// Adds a cell array that tells where each cell came from, for cellOrigin().
   bool keepsOrigins = false;
+  /// Whether field data may be added to the grid itself where that comes back: else a copy does, for which VTK walks all of a
+  /// masked grid.
+  bool mayChange = false;
 };
 
 struct ExchangedGrid

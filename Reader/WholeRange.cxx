@@ -99,7 +99,8 @@ std::map<std::string, std::size_t> namesOfAll(
 
 } // namespace
 
-vtkSmartPointer<vtkHyperTreeGrid> withWholeRanges(const ProcessGroup& group, vtkHyperTreeGrid* grid)
+vtkSmartPointer<vtkHyperTreeGrid> withWholeRanges(
+  const ProcessGroup& group, vtkHyperTreeGrid* grid, bool mayChange)
 {
   std::map<std::string, Ranges> own;
   group.together([&] { own = rangesOf(grid); });
@@ -121,17 +122,20 @@ vtkSmartPointer<vtkHyperTreeGrid> withWholeRanges(const ProcessGroup& group, vtk
   }
   group.controller().AllReduce(
     local.data(), least.data(), static_cast<vtkIdType>(local.size()), vtkCommunicator::MIN_OP);
-  vtkSmartPointer<vtkHyperTreeGrid> copy;
+  vtkSmartPointer<vtkHyperTreeGrid> result = grid;
   group.together([&] {
     if (!grid)
     {
       return;
     }
-    copy = vtk::TakeSmartPointer(grid->NewInstance());
-    copy->ShallowCopy(grid);
-    vtkNew<vtkFieldData> data; // not the grid's, which is another one's, too
+    if (!mayChange)
+    {
+      result = vtk::TakeSmartPointer(grid->NewInstance());
+      result->ShallowCopy(grid);
+    }
+    vtkNew<vtkFieldData> data; // not the grid's, which copies of it have, too
     data->ShallowCopy(grid->GetFieldData());
-    copy->SetFieldData(data);
+    result->SetFieldData(data);
     const double* next = least.data();
     for (const auto& [name, count] : names)
     {
@@ -145,7 +149,7 @@ vtkSmartPointer<vtkHyperTreeGrid> withWholeRanges(const ProcessGroup& group, vtk
       data->AddArray(ranges);
     }
   });
-  return copy;
+  return result;
 }
 
 std::optional<std::array<double, 2>> wholeRange(

@@ -16,8 +16,9 @@ namespace treeamr
 class ProcessGroup;
 
 /// Of all cell arrays of numbers that the grid has. Every process calls it; those without the array, or a grid, have no part in
-/// it. Returns a copy of the grid that has them as field data; null for null.
-vtkSmartPointer<vtkHyperTreeGrid> withWholeRanges(const ProcessGroup& group, vtkHyperTreeGrid* grid);
+/// it. Returns a copy of the grid that has them as field data, or itself when it may change; null for null.
+vtkSmartPointer<vtkHyperTreeGrid> withWholeRanges(
+  const ProcessGroup& group, vtkHyperTreeGrid* grid, bool mayChange);
 
 /// Of a component of an array or, below 0, the magnitude. None where nobody has agreed on one.
 std::optional<std::array<double, 2>> wholeRange(

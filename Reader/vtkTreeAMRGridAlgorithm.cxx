@@ -3,6 +3,7 @@
 #include "BlockArrays.h"
 #include "CornerArrays.h"
 #include "OnceReporter.h"
+#include "PieceController.h"
 
 #include "vtkDataObject.h"
 #include "vtkFieldData.h"
@@ -25,17 +26,6 @@ using SDDP = vtkStreamingDemandDrivenPipeline;
 int PieceOf(vtkInformation* info)
 {
   return info->Has(SDDP::UPDATE_PIECE_NUMBER()) ? info->Get(SDDP::UPDATE_PIECE_NUMBER()) : 0;
-}
-
-// Of the processes that each ask for a piece of their own, as ParaView's do; null where one process has all.
-vtkMultiProcessController* ControllerOf(vtkInformation* info)
-{
-  vtkMultiProcessController* const controller = vtkMultiProcessController::GetGlobalController();
-  const bool hasPieces = controller && controller->GetNumberOfProcesses() > 1 &&
-    info->Has(SDDP::UPDATE_NUMBER_OF_PIECES()) &&
-    info->Get(SDDP::UPDATE_NUMBER_OF_PIECES()) == controller->GetNumberOfProcesses() &&
-    PieceOf(info) == controller->GetLocalProcessId();
-  return hasPieces ? controller : nullptr;
 }
 
 // The pieces of all processes, in the first one; none in the others. Each calls it.
@@ -103,7 +93,7 @@ int vtkTreeAMRGridAlgorithm::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   vtkInformation* const inInfo = inputVector[0]->GetInformationObject(0);
-  if (this->GathersPieces() && !ControllerOf(outputVector->GetInformationObject(0)))
+  if (this->GathersPieces() && !treeamr::pieceController(outputVector->GetInformationObject(0)))
   {
     inInfo->Set(SDDP::UPDATE_PIECE_NUMBER(), 0);
     inInfo->Set(SDDP::UPDATE_NUMBER_OF_PIECES(), 1);
@@ -123,7 +113,8 @@ int vtkTreeAMRGridAlgorithm::RequestData(
   output->Initialize();
   try
   {
-    vtkMultiProcessController* const controller = this->GathersPieces() ? ControllerOf(outInfo) : nullptr;
+    vtkMultiProcessController* const controller =
+      this->GathersPieces() ? treeamr::pieceController(outInfo) : nullptr;
     const std::vector<vtkSmartPointer<vtkDataObject>> pieces =
       controller ? Gathered(controller, input) : std::vector<vtkSmartPointer<vtkDataObject>>{ input };
     if (!this->GathersPieces() || PieceOf(outInfo) == 0)

@@ -17,7 +17,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationIntegerKey.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -335,17 +334,17 @@ int vtkTreeAMRP4estReader::RequestData(
   this->ErrorCode = vtkErrorCode::FileFormatError;
   try
   {
-    vtkNew<vtkHyperTreeGrid> grid;
-    this->Read(grid, piece, pieces);
-    output->ShallowCopy(grid);
+    this->Read(output, piece, pieces); // not a copy, for which VTK walks all of a masked grid
     this->ErrorCode = vtkErrorCode::NoError;
   }
   catch (const std::bad_alloc&)
   {
+    output->Initialize();
     vtkErrorMacro(<< this->FileName << ": not enough memory");
   }
   catch (const std::exception& error)
   {
+    output->Initialize();
     vtkErrorMacro(<< error.what());
   }
   return 1;

@@ -310,6 +310,7 @@ void vtkTreeAMRRepresentation::Redistribute(bool hasFailed)
   {
     treeamr::ExchangeOptions options;
     options.keepsOrigins = this->HasSelectableCells();
+    options.mayChange = true; // it is a copy
     for (const std::string& name : this->TakenArrays)
     {
       const std::vector<std::string> names =
