@@ -49,7 +49,9 @@ bool drawsVolumesLast(vtkRenderer* renderer)
     }
     else
     {
-      return pass->IsA("vtkPVDefaultPass") || std::string(pass->GetClassName()) == "vtkDefaultPass";
+      // ParaView's default one, in parallel within that of IceT, whose header the plugin alone may include.
+      return pass->IsA("vtkPVDefaultPass") || pass->IsA("vtkIceTCompositePass") ||
+        std::string(pass->GetClassName()) == "vtkDefaultPass";
     }
   }
   return !renderer->GetPass();

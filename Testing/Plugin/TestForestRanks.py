@@ -76,6 +76,20 @@ display.Opacity = 0.4
 check("translucent", view, 2)
 display.Opacity = 1
 
+# A volume and the layers of another display are drawn together, with and without depth peeling.
+simple.ColorBy(display, ("CELLS", "rho"))
+display.SetRepresentationType("Tree AMR Volume")
+layers = simple.Show(simple.PassThrough(Input=reader), view)
+layers.SetRepresentationType("Tree AMR Isosurface")
+simple.ColorBy(layers, None)
+layers.Isovalues = [0.3, 0.6]
+layers.Opacity = 0.4
+for peeling in 1, 0:
+    simple.GetSettingsProxy("RenderViewSettings").DepthPeeling = peeling
+    check(f"together-{peeling}", view, 2)
+simple.GetSettingsProxy("RenderViewSettings").DepthPeeling = 1
+layers.Visibility = 0
+
 # Triangles of all ranks close.
 contour = simple.TreeAMRContour(Input=reader, ContourBy=["CELLS", "rho"], Isosurfaces=[0.3, 0.6])
 contour.UpdatePipeline()
