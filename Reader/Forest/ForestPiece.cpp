@@ -1,5 +1,6 @@
 #include "Forest/ForestPiece.h"
 
+#include "Forest/QuadrantSearch.h"
 #include "Octree/OctreeBuilder.h"
 #include "Partition/BoxCuts.h"
 #include "Partition/FieldSupport.h"
@@ -226,8 +227,8 @@ void ForestPiece::cutBoxes(int pieces)
     {
       const std::uint64_t first = leaf.number / stride * stride;
       // Whole numbers and their halves: the sum is the same in any order.
-      histogram.add(
-        lattice_.cellOf(leaf.tree, leaf.index, leaf.level), static_cast<double>(std::min(stride, count - first)));
+      histogram.add(lattice_.cellOf(leaf.tree, leaf.index, leaf.level),
+        static_cast<double>(std::min(stride, count - first)));
     }
   });
   boxes_ = treeamr::cutBoxes(histogram, pieces);

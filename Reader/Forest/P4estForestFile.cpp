@@ -599,68 +599,25 @@ void P4estForestFile::visitQuadrants(const std::function<void(const TreeLeaf&)>&
   }
 }
 
+void P4estForestFile::readAnchors(
+  P4estInputFile& file, std::uint64_t first, std::span<std::array<std::int32_t, 3>> anchors) const
+{
+  const std::size_t recordBytes = Record::bytes(dimension_) + payloadSize_;
+  std::vector<std::byte> bytes(anchors.size() * recordBytes);
+  file.seek(quadrantsOffset_ + first * recordBytes);
+  file.read(bytes.data(), bytes.size(), "quadrants");
+  for (std::size_t i = 0; i < anchors.size(); ++i)
+  {
+    anchors[i] = Record::from(bytes.data() + i * recordBytes, dimension_).anchor;
+  }
+}
+
 void P4estForestFile::samplePayloads(
   std::uint64_t count, const std::function<void(const std::byte*)>& visit) const
 {
   const std::size_t placeBytes = Record::bytes(dimension_);
   P4estInputFile(path_).sampleRecords(quadrantsOffset_, placeBytes + payloadSize_, quadrantCount(), count,
     "quadrants", [&](const std::byte* record) { visit(record + placeBytes); });
-}
-
-QuadrantSearch::QuadrantSearch(const P4estForestFile& file)
-  : file_(file)
-  , input_(std::make_unique<P4estInputFile>(file.path_))
-  , pages_(pageCount)
-{
-}
-
-QuadrantSearch::~QuadrantSearch() = default;
-
-int QuadrantSearch::childOf(std::uint64_t quadrant, int level)
-{
-  const std::size_t placeBytes = Record::bytes(file_.dimension_);
-  const std::size_t recordBytes = placeBytes + file_.payloadSize_;
-  const std::uint64_t number = quadrant / pageQuadrants;
-  Page& page = pages_[number % pageCount];
-  if (page.number != number)
-  {
-    const std::uint64_t first = number * pageQuadrants;
-    const std::uint64_t count = std::min(pageQuadrants, file_.quadrantCount() - first);
-    page.number = ~std::uint64_t(0); // while it is not read
-    bytes_.resize(count * recordBytes);
-    input_->seek(file_.quadrantsOffset_ + first * recordBytes);
-    input_->read(bytes_.data(), bytes_.size(), "quadrants");
-    for (std::uint64_t i = 0; i < count; ++i)
-    {
-      page.anchors[i] = Record::from(bytes_.data() + i * recordBytes, file_.dimension_).anchor;
-    }
-    page.number = number;
-  }
-  const std::array<std::int32_t, 3>& anchor = page.anchors[quadrant % pageQuadrants];
-  const int down = file_.rootBits_ - level - 1;
-  return down < 0 ? 0 : (anchor[0] >> down & 1) | (anchor[1] >> down & 1) << 1 | (anchor[2] >> down & 1) << 2;
-}
-
-LeafRange QuadrantSearch::child(const LeafRange& range, int level, int octant)
-{
-  const auto firstFrom = [&](std::uint64_t begin, int least) {
-    std::uint64_t end = range.end;
-    while (begin < end)
-    {
-      const std::uint64_t middle = begin + (end - begin) / 2;
-      if (childOf(middle, level) < least)
-      {
-        begin = middle + 1;
-      }
-      else
-      {
-        end = middle;
-      }
-    }
-    return begin;
-  };
-  const std::uint64_t begin = firstFrom(range.begin, octant);
-  return { begin, octant == 7 ? range.end : firstFrom(begin, octant + 1) };
 }
 
 } // namespace treeamr

@@ -25,7 +25,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -96,6 +95,12 @@ public:
   /// As many as make a range of about half a MiB.
   std::uint64_t blockQuadrants() const noexcept;
 
+  /// Where quadrants from `first` on have their lower corners, in coordinates of which a tree is 2^rootBits() wide; not checked.
+  /// file: this one, open.
+  void readAnchors(
+    P4estInputFile& file, std::uint64_t first, std::span<std::array<std::int32_t, 3>> anchors) const;
+  int rootBits() const noexcept { return rootBits_; }
+
   /// Visits all quadrants; after an Error what was visited before it must be thrown away.
   void visitQuadrants(const std::function<void(const TreeLeaf&)>& visit) const;
 
@@ -104,8 +109,6 @@ public:
   void samplePayloads(std::uint64_t count, const std::function<void(const std::byte*)>& visit) const;
 
 private:
-  friend class QuadrantSearch;
-
   void appendQuadrants(
     P4estInputFile& file, const LeafRange& range, std::byte* bytes, LeafBlock& block) const;
 
@@ -115,36 +118,7 @@ private:
   std::vector<std::uint64_t> treeEnds_; // quadrants up to the end of each tree; never empty
   std::size_t payloadSize_ = 0;
   std::uint64_t quadrantsOffset_ = 0; // bytes
-  int rootBits_ = 0;                  // a tree is 2^rootBits coordinates wide
-};
-
-/// Finds by bisection which quadrants lie where, in the order of their trees. For one thread: it keeps the pages it has read.
-class QuadrantSearch
-{
-public:
-  /// file: must live as long. Throws Error when it cannot be opened again.
-  explicit QuadrantSearch(const P4estForestFile& file);
-  ~QuadrantSearch();
-
-  /// range: of all quadrants in a node of a level of some tree, more than one. Those in one of its children. Throws Error when
-  /// they cannot be read; of a file whose quadrants are not in order it gives any.
-  LeafRange child(const LeafRange& range, int level, int octant);
-
-private:
-  static constexpr std::uint64_t pageQuadrants = 128;
-  static constexpr std::size_t pageCount = 64;
-  struct Page
-  {
-    std::uint64_t number = ~std::uint64_t(0);
-    std::array<std::array<std::int32_t, 3>, pageQuadrants> anchors;
-  };
-
-  int childOf(std::uint64_t quadrant, int level);
-
-  const P4estForestFile& file_;
-  std::unique_ptr<P4estInputFile> input_;
-  std::vector<Page> pages_; // by number modulo their count
-  std::vector<std::byte> bytes_;
+  int rootBits_ = 0;
 };
 
 } // namespace treeamr
