@@ -82,7 +82,7 @@ void AddPoints(const std::vector<Surface>& surfaces, vtkIdType count, vtkPolyDat
 }
 
 template <class Array>
-void AddTriangles(const std::vector<Surface>& surfaces, vtkIdType count, vtkPolyData* output)
+void AddTrianglesOf(const std::vector<Surface>& surfaces, vtkIdType count, vtkPolyData* output)
 {
   using Number = typename Array::ValueType;
   vtkNew<Array> offsets;
@@ -114,6 +114,19 @@ void AddTriangles(const std::vector<Surface>& surfaces, vtkIdType count, vtkPoly
   vtkNew<vtkCellArray> polygons;
   polygons->SetData(offsets, connectivity);
   output->SetPolys(polygons);
+}
+
+void AddTriangles(
+  const std::vector<Surface>& surfaces, vtkIdType points, vtkIdType triangles, vtkPolyData* output)
+{
+  if (std::max(points, 3 * triangles) < std::numeric_limits<vtkTypeInt32>::max())
+  {
+    AddTrianglesOf<vtkTypeInt32Array>(surfaces, triangles, output);
+  }
+  else
+  {
+    AddTrianglesOf<vtkTypeInt64Array>(surfaces, triangles, output);
+  }
 }
 
 /// A vector of each point: convert(its gradient).
@@ -460,14 +473,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   }
 
   AddPoints(surfaces, points, output);
-  if (std::max(points, 3 * triangles) < std::numeric_limits<vtkTypeInt32>::max())
-  {
-    AddTriangles<vtkTypeInt32Array>(surfaces, triangles, output);
-  }
-  else
-  {
-    AddTriangles<vtkTypeInt64Array>(surfaces, triangles, output);
-  }
+  AddTriangles(surfaces, points, triangles, output);
   vtkPointData* pointData = output->GetPointData();
   if (this->ComputeScalars)
   {
@@ -485,6 +491,10 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
       return std::array<double, 3>{ -x, -y, -z };
     }));
   }
+  const auto interpolate = [&](const std::string& name) {
+    return Interpolate(input, name, field->octree(), surfaces, points, corners,
+      [this](const treeamr::Remark& remark) { this->Warn(remark); });
+  };
   for (const std::string& name :
     treeamr::takenArrays(*input, *this->CellDataArraySelection, this->SelectionIsFinal))
   {
@@ -492,15 +502,13 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
     {
       return;
     }
-    vtkDataArray* array = input->GetCellData()->GetArray(name.c_str());
-    if (array == contoured)
+    if (input->GetCellData()->GetArray(name.c_str()) == contoured)
     {
       continue;
     }
     try
     {
-      pointData->AddArray(Interpolate(input, name, field->octree(), surfaces, points, corners,
-        [this](const treeamr::Remark& remark) { this->Warn(remark); }));
+      pointData->AddArray(interpolate(name));
     }
     catch (const treeamr::Error& e)
     {

@@ -146,6 +146,24 @@ private:
   std::unique_ptr<treeamr::CellArrayFiller> Filler;
 };
 
+// Of an array that is no part of the payload.
+std::unique_ptr<treeamr::CellArrayFiller> FillerOf(const std::string& name,
+  const std::vector<treeamr::QuadrantArray>& ofFiles, const P4estForestFile& file, vtkIdType nodes)
+{
+  const auto array =
+    std::ranges::find(ofFiles, name, [](const treeamr::QuadrantArray& a) { return a.field.name; });
+  if (array != ofFiles.end())
+  {
+    return std::make_unique<FileFiller>(
+      treeamr::QuadrantArrayFile(*array, file.path(), file.quadrantCount()), nodes);
+  }
+  if (name == treeamr::levelArrayName)
+  {
+    return std::make_unique<treeamr::LevelFiller>(nodes);
+  }
+  return std::make_unique<treeamr::TreeIdFiller>(nodes);
+}
+
 std::string Quoted(const std::vector<std::string>& names)
 {
   std::string text;
@@ -394,20 +412,9 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid, int piece, int pieces)
       builder.addArray(field->isAtCorners ? treeamr::makeCornerFiller(*field, nodes, lattice)
                                           : treeamr::makeFiller(*field, nodes));
     }
-    else if (const auto array =
-               std::ranges::find(ofFiles, name, [](const treeamr::QuadrantArray& a) { return a.field.name; });
-             array != ofFiles.end())
-    {
-      builder.addArray(std::make_unique<FileFiller>(
-        treeamr::QuadrantArrayFile(*array, file.path(), file.quadrantCount()), nodes));
-    }
-    else if (name == treeamr::levelArrayName)
-    {
-      builder.addArray(std::make_unique<treeamr::LevelFiller>(nodes));
-    }
     else
     {
-      builder.addArray(std::make_unique<treeamr::TreeIdFiller>(nodes));
+      builder.addArray(FillerOf(name, ofFiles, file, nodes));
     }
   }
   if (part)

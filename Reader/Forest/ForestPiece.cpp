@@ -64,6 +64,15 @@ struct ForestPiece::Listed
   std::vector<LeafRange> atBorder; // of these those near the box's faces
   std::vector<LeafRange> beyond;   // the box, near its faces
   std::vector<CellId> known;       // places whose quadrants `beyond` has
+
+  void append(const Listed& other)
+  {
+    const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    add(inBox, other.inBox);
+    add(atBorder, other.atBorder);
+    add(beyond, other.beyond);
+    add(known, other.known);
+  }
 };
 
 /// One thread's way down the trees.
@@ -234,6 +243,20 @@ void ForestPiece::cutBoxes(int pieces)
   boxes_ = treeamr::cutBoxes(histogram, pieces);
 }
 
+/// And one node of this level all around, which is not coarser than the box's.
+LatticeBox ForestPiece::withBorder(int level) const
+{
+  LatticeBox wide = box();
+  for (int a = 0; a < 3; ++a)
+  {
+    const int finer = level - wide.level;
+    wide.begin[a] = std::max<Coord>((wide.begin[a] << finer) - 1, 0);
+    wide.end[a] = std::min((wide.end[a] << finer) + 1, Coord(grid_.roots()[a]) << level);
+  }
+  wide.level = level;
+  return wide;
+}
+
 ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places) const
 {
   // The border is as wide as this level's nodes or, where these have many quadrants, smaller ones: most cells that are needed
@@ -267,14 +290,7 @@ ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places)
     }
     return beside;
   };
-  LatticeBox wide = box();
-  for (int a = 0; a < 3; ++a)
-  {
-    const int finer = borderLevel - box().level;
-    wide.begin[a] = std::max<Coord>((box().begin[a] << finer) - 1, 0);
-    wide.end[a] = std::min((box().end[a] << finer) + 1, Coord(grid_.roots()[a]) << borderLevel);
-  }
-  wide.level = borderLevel;
+  const LatticeBox wide = withBorder(borderLevel);
 
   Listed all;
   if (box().isEmpty())
@@ -314,11 +330,7 @@ ForestPiece::Listed ForestPiece::findQuadrants(const std::vector<Place>& places)
       return false;
     });
     const std::scoped_lock lock(mutex);
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    append(all.inBox, listed.inBox);
-    append(all.atBorder, listed.atBorder);
-    append(all.beyond, listed.beyond);
-    append(all.known, listed.known);
+    all.append(listed);
   });
   normalise(all.atBorder);
   normalise(all.beyond);

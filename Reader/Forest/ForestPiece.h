@@ -49,6 +49,7 @@ private:
 
   std::vector<Place> splitTrees() const;
   void cutBoxes(int pieces);
+  LatticeBox withBorder(int level) const;
   Listed findQuadrants(const std::vector<Place>& places) const;
   std::vector<LeafRange> readUnknown(const std::vector<CellId>& cells) const;
   template <class Visit>

@@ -574,6 +574,80 @@ TEST(FromUnstructured, PointsAreAveragedAsVTKDoes)
   EXPECT_STREQ(convert(pointsOnly).grid->GetCellData()->GetScalars()->GetName(), "points10");
 }
 
+// Adds arrays of points: "q", the function, and "level", a value a cell, as deal.II leaves it, unless cells share points.
+void addPointArrays(vtkUnstructuredGrid* grid, const std::vector<CellId>& cells,
+  const HexahedronExport& options, const CornerFunction& function)
+{
+  vtkDataArray* const number = grid->GetCellData()->GetArray("number");
+  vtkNew<vtkDoubleArray> q;
+  q->SetName("q");
+  q->SetNumberOfValues(grid->GetNumberOfPoints());
+  vtkNew<vtkFloatArray> level;
+  level->SetName("level");
+  level->SetNumberOfValues(grid->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < grid->GetNumberOfCells(); ++i)
+  {
+    const CellId& cell = cells[static_cast<std::size_t>(number->GetComponent(i, 0))];
+    const std::array<double, 8> corners = function.corners(cell);
+    for (int p = 0; p < 8; ++p)
+    {
+      const vtkIdType point = grid->GetCell(i)->GetPointId(p);
+      std::array<double, 3> at;
+      grid->GetPoint(point, at.data());
+      int corner = 0;
+      for (int a = 0; a < 3; ++a)
+      {
+        const double place = std::ldexp((at[a] - options.origin[a]) / options.rootSize[a], cell.level);
+        corner |= (place - static_cast<double>(cell.index[a]) > 0.5) << a;
+      }
+      q->SetValue(point, corners[corner]);
+      level->SetValue(point, static_cast<float>(cell.level));
+    }
+  }
+  grid->GetPointData()->AddArray(q);
+  if (!options.sharedPoints)
+  {
+    grid->GetPointData()->AddArray(level);
+  }
+}
+
+// The grid's "q" is the function at 10,000 points.
+void expectFunction(const MadeGrid& result, const std::vector<CellId>& cells, const HexahedronExport& options,
+  const CornerFunction& function)
+{
+  vtkDataArray* const array = result.grid->GetCellData()->GetArray("q");
+  ASSERT_TRUE(isAtCorners(*array));
+  EXPECT_EQ(array->GetDataType(), VTK_DOUBLE);
+  const auto field = acquireField(result.grid, { "q" });
+  ASSERT_TRUE(field->corners());
+  std::array<double, 2> range; // that ParaView colours by
+  array->GetFiniteRange(range.data(), -1);
+  EXPECT_EQ(static_cast<float>(range[0]), field->range().min);
+  EXPECT_EQ(static_cast<float>(range[1]), field->range().max);
+  const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
+  std::mt19937 random(options.seed);
+  std::uniform_real_distribution<double> uniform(0.001, 0.999);
+  for (int i = 0; i < 10000; ++i)
+  {
+    const CellId& cell = cells[random() % cells.size()];
+    std::array<double, 3> inRoots;
+    std::array<double, 3> world;
+    for (int a = 0; a < 3; ++a)
+    {
+      inRoots[a] = std::ldexp(static_cast<double>(cell.index[a]) + uniform(random), -cell.level);
+      world[a] = options.origin[a] + options.rootSize[a] * inRoots[a];
+    }
+    FieldSample sample;
+    ASSERT_TRUE(sampler->sample(world, sample));
+    ASSERT_NEAR(sample.value, function.value(cell, inRoots), 2e-6); // 1e-6 of the range
+  }
+  // A coarse cell has the values at its own corners, of what is there.
+  for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
+  {
+    ASSERT_LE(std::abs(array->GetComponent(i / 8, static_cast<int>(i % 8))), 1.);
+  }
+}
+
 TEST(FromUnstructured, PointsAreCorners)
 {
   int jumps = 0;
@@ -581,12 +655,16 @@ TEST(FromUnstructured, PointsAreCorners)
          RandomTree{ 4, { 1, 2, 2 }, 5, 0.6, 0.3, false }, RandomTree{ 5, { 2, 2, 1 }, 4, 0.7, 0., true } })
   {
     const std::vector<LeafCell> leaves = makeRandomTree(tree);
+    const CornerFunction function(leaves, tree.seed);
     std::vector<CellId> cells;
     for (const LeafCell& leaf : leaves)
     {
       cells.push_back(leaf.cell);
+      for (int corner = 0; corner < 8; ++corner)
+      {
+        jumps = std::max(jumps, function.jumpAt(leaf.cell, corner));
+      }
     }
-    const CornerFunction function(leaves, tree.seed);
     for (const int variant : { 0, 1, 2 })
     {
       SCOPED_TRACE(variant);
@@ -597,83 +675,19 @@ TEST(FromUnstructured, PointsAreCorners)
       options.sharedPoints = variant == 1;
       options.voxels = variant == 2;
       const auto input = makeHexahedra(cells, options);
-      vtkDataArray* const number = input->GetCellData()->GetArray("number");
-      vtkNew<vtkDoubleArray> q;
-      q->SetName("q");
-      q->SetNumberOfValues(input->GetNumberOfPoints());
-      vtkNew<vtkFloatArray> level; // a value a cell, as deal.II leaves it
-      level->SetName("level");
-      level->SetNumberOfValues(input->GetNumberOfPoints());
-      for (vtkIdType i = 0; i < input->GetNumberOfCells(); ++i)
-      {
-        const CellId& cell = cells[static_cast<std::size_t>(number->GetComponent(i, 0))];
-        const std::array<double, 8> corners = function.corners(cell);
-        for (int p = 0; p < 8; ++p)
-        {
-          const vtkIdType point = input->GetCell(i)->GetPointId(p);
-          std::array<double, 3> at;
-          input->GetPoint(point, at.data());
-          int corner = 0;
-          for (int a = 0; a < 3; ++a)
-          {
-            const double place = std::ldexp((at[a] - options.origin[a]) / options.rootSize[a], cell.level);
-            corner |= (place - static_cast<double>(cell.index[a]) > 0.5) << a;
-          }
-          q->SetValue(point, corners[corner]);
-          level->SetValue(point, static_cast<float>(cell.level));
-        }
-        for (int corner = 0; corner < 8; ++corner)
-        {
-          jumps = std::max(jumps, function.jumpAt(cell, corner));
-        }
-      }
-      input->GetPointData()->AddArray(q);
-      if (!options.sharedPoints)
-      {
-        input->GetPointData()->AddArray(level);
-      }
+      addPointArrays(input, cells, options, function);
       const MadeGrid result = convert(input);
       EXPECT_TRUE(result.warnings.empty()) << result.warnings[0];
-      vtkCellData* const data = result.grid->GetCellData();
-      ASSERT_TRUE(isAtCorners(*data->GetArray("q")));
-      EXPECT_EQ(data->GetArray("q")->GetDataType(), VTK_DOUBLE);
-      const auto field = acquireField(result.grid, { "q" });
-      ASSERT_TRUE(field->corners());
-      std::array<double, 2> range; // that ParaView colours by
-      data->GetArray("q")->GetFiniteRange(range.data(), -1);
-      EXPECT_EQ(static_cast<float>(range[0]), field->range().min);
-      EXPECT_EQ(static_cast<float>(range[1]), field->range().max);
-      const auto sampler = Sampler::create(InterpolationMethod::GTI, field);
-      std::mt19937 random(variant);
-      std::uniform_real_distribution<double> uniform(0.001, 0.999);
-      for (int i = 0; i < 10000; ++i)
-      {
-        const CellId& cell = cells[random() % cells.size()];
-        std::array<double, 3> inRoots;
-        std::array<double, 3> world;
-        for (int a = 0; a < 3; ++a)
-        {
-          inRoots[a] = std::ldexp(static_cast<double>(cell.index[a]) + uniform(random), -cell.level);
-          world[a] = options.origin[a] + options.rootSize[a] * inRoots[a];
-        }
-        FieldSample sample;
-        ASSERT_TRUE(sampler->sample(world, sample));
-        ASSERT_NEAR(sample.value, function.value(cell, inRoots), 2e-6); // 1e-6 of the range
-      }
+      ASSERT_NO_FATAL_FAILURE(expectFunction(result, cells, options, function));
       if (!options.sharedPoints)
       {
+        vtkCellData* const data = result.grid->GetCellData();
         ASSERT_EQ(data->GetArray("level")->GetNumberOfComponents(), 1);
         EXPECT_EQ(data->GetArray("level")->GetDataType(), VTK_FLOAT);
         forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
           const auto cell = static_cast<std::size_t>(data->GetArray("number")->GetComponent(id, 0));
           EXPECT_EQ(data->GetArray("level")->GetComponent(id, 0), cells[cell].level);
         });
-      }
-      // A coarse cell has the values at its own corners, of what is there.
-      vtkDataArray* const array = data->GetArray("q");
-      for (vtkIdType i = 0; i < array->GetNumberOfValues(); ++i)
-      {
-        ASSERT_LE(std::abs(array->GetComponent(i / 8, static_cast<int>(i % 8))), 1.);
       }
     }
   }
@@ -773,8 +787,10 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
     "0)");
   expectIn(errorOf(withBox({ 0., 0., 0. }, { 1., 1., 1. })),
     ", and cell 9, which reaches from (0, 0, 0) to (1, 1, 1)");
+}
 
-  // Among shrunk ones.
+TEST(FromUnstructured, ShrunkCellsThatFitNotAreNamed)
+{
   HexahedronExport shrunk;
   shrunk.scale = 0.75;
   const auto moved = makeHexahedra(nineCells(), shrunk);
@@ -789,7 +805,10 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
   expectIn(errorOf(moved),
     "cell 6, which reaches from (0.0625, 0.6875, 0.5625) to (0.4375, 1.0625, 0.9375), fits no place of the "
     "lattice of the largest cells, which are (1, 1, 1) wide like that from (1.125, 0.125, 0.125)");
+}
 
+TEST(FromUnstructured, CellsOfOtherKindsAreNamed)
+{
   const auto withCell = [](int type, std::vector<vtkIdType> ids) {
     const auto grid = makeHexahedra(nineCells(), {});
     vtkNew<vtkUnstructuredGrid> other;
@@ -822,7 +841,10 @@ TEST(FromUnstructured, CellsThatFitNotAreNamed)
   square->InsertNextCell(VTK_PIXEL, 4, pixel);
   expectIn(errorOf(square),
     "cell 0, a vtkPixel of 2 dimensions, which reaches from (0, 0, 0) to (1, 1, 0); allowed");
+}
 
+TEST(FromUnstructured, ArraysAndLatticesThatFitNotAreNamed)
+{
   const auto shortArray = makeHexahedra(nineCells(), {});
   shortArray->GetCellData()->GetArray("number")->SetNumberOfTuples(8);
   expectIn(errorOf(shortArray), "cell array 'number' has 8 tuples, allowed are 9");

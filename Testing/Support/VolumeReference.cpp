@@ -517,43 +517,47 @@ private:
     for (int i = 0; i < samples; ++i)
     {
       const double f = (i + 0.5) / samples;
-      const TransferFunction::Entry e = transferFunction_.at(static_cast<float>(fieldAt(f)));
-      if (e.extinction == 0.f)
-      {
-        continue;
-      }
-      std::array<double, 3> color{ e.r, e.g, e.b };
-      if (color_)
-      {
-        const TransferFunction::Entry own =
-          colors_->function.at(static_cast<float>((*color_)({ position[0] + f * perLength[0],
-            position[1] + f * perLength[1], position[2] + f * perLength[2] })));
-        color = { own.r, own.g, own.b };
-      }
-      double extinction = e.extinction;
-      if (isLit_)
-      {
-        const Vec3 gradient = (*gradient_)(
-          { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] });
-        if (settings_.gradientOpacity)
-        {
-          extinction *= gradientOpacity(*settings_.gradientOpacity, gradient);
-        }
-        if (settings_.shading)
-        {
-          color =
-            lightVolume(*settings_.shading, pointAt(ray.ray, interval[0] + f * length), gradient, color);
-        }
-      }
-      const double weight = ray.transmittance * -std::expm1(-extinction * step);
-      for (int c = 0; c < 3; ++c)
-      {
-        ray.color[c] += weight * color[c];
-      }
-      ray.color[3] += weight;
-      ray.transmittance -= weight;
+      addPoint(ray, leafField,
+        { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] },
+        interval[0] + f * length, step);
     }
     statistics_.samples += samples;
+  }
+
+  /// t: of the point, which stands for a step's length.
+  void addPoint(TileRay& ray, const LeafField& leafField, const Vec3& inLeaf, double t, double step) noexcept
+  {
+    const TransferFunction::Entry e = transferFunction_.at(static_cast<float>(leafField(inLeaf)));
+    if (e.extinction == 0.f)
+    {
+      return;
+    }
+    std::array<double, 3> color{ e.r, e.g, e.b };
+    if (color_)
+    {
+      const TransferFunction::Entry own = colors_->function.at(static_cast<float>((*color_)(inLeaf)));
+      color = { own.r, own.g, own.b };
+    }
+    double extinction = e.extinction;
+    if (isLit_)
+    {
+      const Vec3 gradient = (*gradient_)(inLeaf);
+      if (settings_.gradientOpacity)
+      {
+        extinction *= gradientOpacity(*settings_.gradientOpacity, gradient);
+      }
+      if (settings_.shading)
+      {
+        color = lightVolume(*settings_.shading, pointAt(ray.ray, t), gradient, color);
+      }
+    }
+    const double weight = ray.transmittance * -std::expm1(-extinction * step);
+    for (int c = 0; c < 3; ++c)
+    {
+      ray.color[c] += weight * color[c];
+    }
+    ray.color[3] += weight;
+    ray.transmittance -= weight;
   }
 
   /// From one part of the way, and the field there, to another. length: of the whole way.

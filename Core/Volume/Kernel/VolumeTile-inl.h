@@ -203,13 +203,9 @@ private:
     {
       return;
     }
-    std::array<Real, 3> middle;
-    Vec3 planes;
-    for (int a = 0; a < 3; ++a)
-    {
-      planes[a] = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
-      middle[a] = Rays::toKernel(a, planes[a]);
-    }
+    const Vec3 planes = planesBetweenChildren();
+    const std::array<Real, 3> middle{ Rays::toKernel(0, planes[0]), Rays::toKernel(1, planes[1]),
+      Rays::toKernel(2, planes[2]) };
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
     std::array<std::uint8_t, 8> order;
     if constexpr (isExtreme)
@@ -226,7 +222,7 @@ private:
     for (int i = 0; i < 8; ++i)
     {
       const int octant = isExtreme ? order[i] : i ^ nearest;
-      if (!(wanted >> octant & 1) || crossing[octant] == 0)
+      if (!(wanted >> octant & 1))
       {
         continue;
       }
@@ -234,18 +230,12 @@ private:
       {
         crossing[octant] = blends_.open(
           crossing[octant], blends_.mostOf(children.leaf >> octant & 1 ? range : ranges[octant]));
-        if (crossing[octant] == 0)
-        {
-          continue;
-        }
       }
-      Box<Real> childBox;
-      for (int a = 0; a < 3; ++a)
+      if (crossing[octant] == 0)
       {
-        const bool upper = octant >> a & 1;
-        childBox.min[a] = upper ? middle[a] : box.min[a];
-        childBox.max[a] = upper ? box.max[a] : middle[a];
+        continue;
       }
+      const Box<Real> childBox = boxOfChild(box, middle, octant);
       if (children.leaf >> octant & 1)
       {
         if (constants)
@@ -255,12 +245,9 @@ private:
         }
         if (!hasValues)
         {
-          if (!blocks_.prepare(path_, BlockCells::Leaves, childBox.max[0] - childBox.min[0], block))
-          {
-            wanted &= ~children.leaf;
-            continue;
-          }
-          if (!prepareEffects(BlockCells::Leaves, childBox.max[0] - childBox.min[0]))
+          const Real width = childBox.max[0] - childBox.min[0];
+          if (!blocks_.prepare(path_, BlockCells::Leaves, width, block) ||
+            !prepareEffects(BlockCells::Leaves, width))
           {
             wanted &= ~children.leaf;
             continue;
@@ -270,14 +257,41 @@ private:
         integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
         continue;
       }
-      const auto index = index_;
-      index_ = indexOfChild(index_, octant);
-      path_.descend(octant, children.innerIndex(octant));
-      visit(children.innerIndex(octant), childBox, crossing[octant], ranges[octant]);
-      path_.ascend();
-      index_ = index;
+      descend(children.innerIndex(octant), octant, childBox, crossing[octant], ranges[octant]);
       hasValues = hasValues && !isLit && blocks_.outlastsOthers(block);
     }
+  }
+
+  Vec3 planesBetweenChildren() const noexcept
+  {
+    Vec3 planes;
+    for (int a = 0; a < 3; ++a)
+    {
+      planes[a] = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
+    }
+    return planes;
+  }
+
+  void descend(std::uint64_t node, int octant, const Box<Real>& box, GroupMask active, const Range& range)
+  {
+    const auto index = index_;
+    index_ = indexOfChild(index_, octant);
+    path_.descend(octant, node);
+    visit(node, box, active, range);
+    path_.ascend();
+    index_ = index;
+  }
+
+  static Box<Real> boxOfChild(const Box<Real>& box, const std::array<Real, 3>& middle, int octant) noexcept
+  {
+    Box<Real> child;
+    for (int a = 0; a < 3; ++a)
+    {
+      const bool upper = octant >> a & 1;
+      child.min[a] = upper ? middle[a] : box.min[a];
+      child.max[a] = upper ? box.max[a] : middle[a];
+    }
+    return child;
   }
 
   /// The children, those with the largest places first.
