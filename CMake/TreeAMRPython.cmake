@@ -1,4 +1,4 @@
-# The Python package treeamr: treeamr.vtkTreeAMRReader and treeamr.vtkTreeAMRRendering.
+# The Python package treeamr: the wrapped classes, and the functions for numpy around them.
 
 set(TREEAMR_PYTHON_DIR "${CMAKE_INSTALL_LIBDIR}/python3/dist-packages")
 # From <python>/treeamr/ back to the libraries.
@@ -13,6 +13,11 @@ vtk_module_wrap_python(
   INSTALL_HEADERS OFF)
 set(CMAKE_INSTALL_RPATH "$ORIGIN")
 
-set(init "${CMAKE_BINARY_DIR}/${TREEAMR_PYTHON_DIR}/treeamr/__init__.py")
-configure_file(Plugin/Python/__init__.py.in "${init}" @ONLY)
-install(FILES "${init}" DESTINATION "${TREEAMR_PYTHON_DIR}/treeamr")
+set(package "${CMAKE_BINARY_DIR}/${TREEAMR_PYTHON_DIR}/treeamr")
+configure_file(Plugin/Python/__init__.py.in "${package}/__init__.py" @ONLY)
+set(files "${package}/__init__.py")
+foreach (module IN ITEMS arrays grids pictures sampling updates)
+  configure_file("Plugin/Python/${module}.py" "${package}/${module}.py" COPYONLY)
+  list(APPEND files "${package}/${module}.py")
+endforeach ()
+install(FILES ${files} DESTINATION "${TREEAMR_PYTHON_DIR}/treeamr")

@@ -9,4 +9,6 @@ source.SetDatasetToSynthetic()
 source.Update()
 for mapper in (vtkTreeAMRVolumeMapper(), vtkTreeAMRIsosurfaceMapper()):
     mapper.SetInputConnection(source.GetOutputPort())
+grid = treeamr.from_cells(1, [[0, 0, 0], [1, 1, 1]], [1.0, 2.0])
+assert treeamr.probe(grid, [0.75, 0.75, 0.75], method="nearest") == 2
 print(treeamr.__version__, treeamr.__file__)

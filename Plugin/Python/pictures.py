@@ -1,0 +1,188 @@
+"""Pictures of grids in one call, without a window."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 - makes the window's class known
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkHyperTreeGrid, vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkRenderingCore import (vtkActor, vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume,
+                                         vtkVolumeProperty, vtkWindowToImageFilter)
+
+from .arrays import chosen_array, to_vtk
+from .updates import Messages
+
+VIRIDIS = ((0.267, 0.005, 0.329), (0.254, 0.265, 0.530), (0.164, 0.471, 0.558), (0.135, 0.659, 0.518),
+           (0.478, 0.821, 0.318), (0.993, 0.906, 0.144))
+"""Samples at equal distances of matplotlib's colour map of that name."""
+
+
+class Picture(np.ndarray):
+    """uint8 of shape (height, width, 3), the first row at the top; a notebook shows it."""
+
+    def png(self) -> bytes:
+        """As a PNG file."""
+        from vtkmodules.vtkIOImage import vtkPNGWriter
+        image = vtkImageData()
+        image.SetDimensions(self.shape[1], self.shape[0], 1)
+        image.GetPointData().SetScalars(to_vtk("colors", np.flipud(np.asarray(self)).reshape(-1, 3)))
+        writer = vtkPNGWriter()
+        writer.SetInputData(image)
+        writer.WriteToMemoryOn()
+        writer.Write()
+        result: vtkUnsignedCharArray = writer.GetResult()
+        return vtk_to_numpy(result).tobytes()
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes a PNG file."""
+        with open(path, "wb") as file:
+            file.write(self.png())
+
+    def _repr_png_(self) -> bytes | None:
+        return self.png() if self.ndim == 3 and self.shape[2] == 3 and self.dtype == np.uint8 else None
+
+
+def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | Sequence[float] | None = None, *,
+           volume: bool | None = None, range: Sequence[float] | None = None,
+           colors: Sequence[Sequence[float]] | vtkColorTransferFunction = VIRIDIS,
+           opacity: float | Sequence[float] | vtkPiecewiseFunction = (0., 0.8), shade: bool = False,
+           occlusion: int = 0, direction: Sequence[float] = (-1., -1.6, -0.9), up: Sequence[float] = (0., 0., 1.),
+           zoom: float = 1., size: Sequence[int] = (800, 600), background: Sequence[float] = (1., 1., 1.),
+           samples_per_cell: float = 2.) -> Picture:
+    """A picture of a volume, of isosurfaces, or of both.
+
+    array: name of a cell array; the active scalars, or else the first, by default. Of vectors: the magnitude.
+    isovalues: of surfaces to draw.
+    volume: whether to draw the volume; by default when there are no isovalues.
+    range: the values that the first and the last of the colours and opacities are at; those of the data by default.
+    colors: (red, green, blue), each 0 to 1, at equal distances over the range; or any function of VTK.
+    opacity: of the volume, likewise, per fiftieth of the grid's diagonal; or any function of VTK. A number: of all values.
+    shade: whether the lamp at the camera lights the volume; it always lights surfaces.
+    occlusion: rays a pixel that darken what is near other parts of the surfaces; 16 show no grain.
+    direction, up: which way the camera looks, and what is up in the picture. It sees all of the grid at zoom 1.
+    size: (width, height) in pixels.
+    samples_per_cell: more of them are more accurate and take more time.
+
+    Raises KeyError for an array that there is not, treeamr.Error for what cannot be drawn, RuntimeError where VTK needs a
+    display and there is none (xvfb-run makes one).
+
+    >>> import numpy, treeamr
+    >>> centres = numpy.stack(numpy.meshgrid(*3 * [numpy.arange(8)], indexing="ij"), axis=-1).reshape(-1, 3)
+    >>> grid = treeamr.from_cells(3, centres, numpy.linalg.norm(centres - 3.5, axis=1))
+    >>> picture = treeamr.render(grid, isovalues=2.5, size=(160, 120))
+    >>> picture.shape, picture.png()[:4]
+    ((120, 160, 3), b'\\x89PNG')
+    """
+    name = chosen_array(grid, array)
+    values = [] if isovalues is None else np.atleast_1d(np.asarray(isovalues, dtype=np.float64)).tolist()
+    with_volume = not values if volume is None else volume
+    low, high = grid.GetCellData().GetArray(name).GetFiniteRange(-1) if range is None else range
+    bounds = np.reshape(grid.GetBounds(), (3, 2))
+    diagonal = float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
+    function = _color_function(colors, low, high)
+
+    renderer = vtkRenderer()
+    renderer.SetBackground(background)
+    window = _window()
+    window.SetSize(int(size[0]), int(size[1]))
+    window.AddRenderer(renderer)
+    mappers = []
+    if with_volume:
+        prop, mapper = _volume(grid, name, function, _opacity_function(opacity, low, high), diagonal / 50., shade)
+        mapper.SetSamplesPerCell(samples_per_cell)
+        renderer.AddVolume(prop)
+        mappers.append(mapper)
+    if values:
+        actor, mapper = _surfaces(grid, name, values, function)
+        mapper.SetAmbientOcclusionSamples(occlusion)
+        renderer.AddActor(actor)
+        mappers.append(mapper)
+    camera = renderer.GetActiveCamera()
+    camera.SetFocalPoint(bounds.mean(axis=1))
+    camera.SetPosition(bounds.mean(axis=1) - np.asarray(direction, dtype=np.float64))
+    camera.SetViewUp(up)
+    renderer.ResetCamera(bounds.ravel())
+    camera.Zoom(zoom)
+    with Messages(*mappers):
+        window.Render()
+    image = vtkWindowToImageFilter()
+    image.SetInput(window)
+    image.ReadFrontBufferOff()
+    image.Update()
+    pixels = vtk_to_numpy(image.GetOutput().GetPointData().GetScalars())
+    window.Finalize()
+    return np.flipud(pixels.reshape(int(size[1]), int(size[0]), 3)).copy().view(Picture)
+
+
+def _window() -> vtkRenderWindow:
+    window = vtkRenderWindow()
+    if window.IsA("vtkXOpenGLRenderWindow") and sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
+        raise RuntimeError("this VTK draws with an X display and there is none: set DISPLAY, or run under xvfb-run")
+    window.SetOffScreenRendering(True)
+    return window
+
+
+def _color_function(colors, low: float, high: float) -> vtkColorTransferFunction:
+    if isinstance(colors, vtkColorTransferFunction):
+        return colors
+    samples = np.asarray(colors, dtype=np.float64)
+    if samples.ndim != 2 or samples.shape[1] != 3 or len(samples) == 0:
+        raise ValueError(f"colors has the shape {samples.shape}, allowed is (n, 3)")
+    function = vtkColorTransferFunction()
+    for value, color in zip(np.linspace(low, high, len(samples)), samples):
+        function.AddRGBPoint(value, *color)
+    return function
+
+
+def _opacity_function(opacity, low: float, high: float) -> vtkPiecewiseFunction:
+    if isinstance(opacity, vtkPiecewiseFunction):
+        return opacity
+    samples = np.atleast_1d(np.asarray(opacity, dtype=np.float64))
+    if samples.ndim != 1 or len(samples) == 0:
+        raise ValueError(f"opacity has the shape {samples.shape}, allowed are one number and (n,)")
+    function = vtkPiecewiseFunction()
+    for value, alpha in zip(np.linspace(low, high, len(samples)), samples):
+        function.AddPoint(value, alpha)
+    return function
+
+
+def _volume(grid, name: str, colors, opacity, unit: float, shade: bool):
+    from .vtkTreeAMRRendering import vtkTreeAMRVolumeMapper
+    mapper = vtkTreeAMRVolumeMapper()
+    mapper.SetInputData(grid)
+    mapper.SetScalarModeToUseCellFieldData()
+    mapper.SelectScalarArray(name)
+    mapper.AutoAdjustSampleDistancesOff()
+    properties = vtkVolumeProperty()
+    properties.SetInterpolationTypeToLinear()
+    properties.SetColor(colors)
+    properties.SetScalarOpacity(opacity)
+    properties.SetScalarOpacityUnitDistance(unit)
+    properties.SetShade(shade)
+    prop = vtkVolume()
+    prop.SetMapper(mapper)
+    prop.SetProperty(properties)
+    return prop, mapper
+
+
+def _surfaces(grid, name: str, values: list[float], colors):
+    from .vtkTreeAMRRendering import vtkTreeAMRIsosurfaceMapper
+    mapper = vtkTreeAMRIsosurfaceMapper()
+    mapper.SetInputData(grid)
+    mapper.SetInputArrayToProcess(0, 0, 0, "vtkDataObject::FIELD_ASSOCIATION_CELLS", name)
+    mapper.SetNumberOfContours(len(values))
+    for i, value in enumerate(values):
+        mapper.SetValue(i, value)
+    mapper.SetScalarModeToUseCellFieldData()
+    mapper.SelectColorArray(name)
+    mapper.SetLookupTable(colors)
+    mapper.UseLookupTableScalarRangeOn()
+    mapper.AutoAdjustSampleDistancesOff()
+    actor = vtkActor()
+    actor.SetMapper(mapper)
+    return actor, mapper
