@@ -6,7 +6,7 @@ PACKAGES = \
   paraview-dev python3-paraview libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
   libembree-dev libtbb-dev libhwy-dev \
   paraview openmpi-bin libqt5svg5 libgl1-mesa-dri xvfb xauth \
-  libgtest-dev libp4est-dev imagemagick valgrind python3-matplotlib
+  libgtest-dev libp4est-dev imagemagick valgrind python3-numpy python3-matplotlib
 
 PREFIX = /usr/local
 BUILD = build
