@@ -14,7 +14,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 
-.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief install clean
+.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -130,6 +130,11 @@ report-brief: build $(BENCH)/mandelbulb-0.3M.p8est
 	$(BUILD)/bin/treeamr-report $(BENCH) --brief --json $(REPORT)/measured.json > $(REPORT)/measured.log
 	$(MEASURE_CASES)
 	$(PYTHON) Testing/Report/report.py $(REPORT) --check
+
+# Debian packages in build-package/: treeamr (plugin and Python package) and treeamr-dev (for C++ programs).
+package: PACKAGES += dpkg-dev
+package: setup
+	cmake --preset package && cmake --build --preset package && cd build-package && cpack
 
 install: configure
 	cmake --build $(BUILD) --target product

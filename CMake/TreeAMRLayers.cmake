@@ -1,6 +1,9 @@
 # The libraries in the order of their dependencies: Core <- Reader <- Rendering <- Plugin/Representations.
 # Included by a build of our own and from ParaView's source tree.
 
+# Before 1.0 a new minor version may break what was linked to the one before.
+string(REGEX MATCH "^[0-9]+[.][0-9]+" TREEAMR_SOVERSION "${TREEAMR_VERSION}")
+
 add_subdirectory(Core)
 if (TREEAMR_CORE_ONLY)
   return ()
@@ -29,6 +32,8 @@ endforeach ()
 vtk_module_build(
   MODULES ${provided_modules}
   PACKAGE TreeAMR
+  VERSION "${TREEAMR_VERSION}"
+  SOVERSION "${TREEAMR_SOVERSION}"
   INSTALL_EXPORT TreeAMR
   HEADERS_DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/treeamr"
   CMAKE_DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/TreeAMR"

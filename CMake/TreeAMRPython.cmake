@@ -1,6 +1,8 @@
 # The Python package treeamr: the wrapped classes, and the functions for numpy around them.
 
-set(TREEAMR_PYTHON_DIR "${CMAKE_INSTALL_LIBDIR}/python3/dist-packages")
+if (NOT TREEAMR_PYTHON_DIR)
+  set(TREEAMR_PYTHON_DIR "${CMAKE_INSTALL_LIBDIR}/python3/dist-packages")
+endif ()
 # From <python>/treeamr/ back to the libraries.
 file(RELATIVE_PATH back "/${TREEAMR_PYTHON_DIR}/treeamr" "/${CMAKE_INSTALL_LIBDIR}")
 set(CMAKE_INSTALL_RPATH "$ORIGIN/${back}")
@@ -20,4 +22,4 @@ foreach (module IN ITEMS arrays grids pictures sampling updates)
   configure_file("Plugin/Python/${module}.py" "${package}/${module}.py" COPYONLY)
   list(APPEND files "${package}/${module}.py")
 endforeach ()
-install(FILES ${files} DESTINATION "${TREEAMR_PYTHON_DIR}/treeamr")
+install(FILES ${files} DESTINATION "${TREEAMR_PYTHON_DIR}/treeamr" COMPONENT python)

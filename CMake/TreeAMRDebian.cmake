@@ -1,0 +1,79 @@
+# Debian packages by CPack, from a build for the prefix /usr (`make package`): treeamr and treeamr-dev.
+#
+# What the libraries depend on is computed (dpkg-shlibdeps). ParaView's programs load the plugins that a file beside them
+# lists, paraview.conf, which Debian's packages leave out: so no environment is needed.
+
+if (NOT PROJECT_IS_TOP_LEVEL OR NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr" OR NOT TREEAMR_WITH_PLUGIN)
+  return ()
+endif ()
+
+set(maintainer "The TreeAMR authors <maintainers@treeamr.example>")
+set(revision 1)
+
+file(RELATIVE_PATH plugins "${CMAKE_INSTALL_FULL_BINDIR}" "/usr/${TREEAMR_PLUGIN_DIR}/treeamr.plugins.xml")
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" "${plugins}\n")
+install(FILES "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" DESTINATION "${CMAKE_INSTALL_BINDIR}")
+
+# What Debian's policy wants in each package (chapters 4.4 and 12.5).
+file(READ LICENSE license)
+string(REGEX REPLACE "\n\n" "\n.\n" license "${license}")
+string(STRIP "${license}" license)
+string(REGEX REPLACE "\n" "\n " license "${license}")
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/copyright"
+  "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: TreeAMR\n\n"
+  "Files: *\nCopyright: 2026 The TreeAMR authors\nLicense: BSD-3-clause\n ${license}\n")
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/changelog.Debian"
+  "treeamr (${TREEAMR_VERSION}-${revision}) unstable; urgency=medium\n\n  * Release; see CHANGELOG.md.\n\n"
+  " -- ${maintainer}  ${date}\n")
+configure_file(CHANGELOG.md "${CMAKE_BINARY_DIR}/CMakeFiles/changelog" COPYONLY)
+foreach (file IN ITEMS changelog changelog.Debian)
+  execute_process(
+    COMMAND gzip --best --no-name --force --keep "${CMAKE_BINARY_DIR}/CMakeFiles/${file}" COMMAND_ERROR_IS_FATAL ANY)
+endforeach ()
+foreach (package IN ITEMS treeamr treeamr-dev)
+  set(component runtime)
+  if (package STREQUAL "treeamr-dev")
+    set(component development)
+  endif ()
+  install(
+    FILES
+      "${CMAKE_BINARY_DIR}/CMakeFiles/copyright"
+      "${CMAKE_BINARY_DIR}/CMakeFiles/changelog.gz"
+      "${CMAKE_BINARY_DIR}/CMakeFiles/changelog.Debian.gz"
+    DESTINATION "share/doc/${package}"
+    COMPONENT ${component})
+endforeach ()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME treeamr)
+set(CPACK_PACKAGE_VERSION "${TREEAMR_VERSION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime python development)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_COMPONENT_RUNTIME_GROUP run)
+set(CPACK_COMPONENT_PYTHON_GROUP run)
+set(CPACK_COMPONENT_DEVELOPMENT_GROUP dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE ${revision})
+set(CPACK_DEBIAN_PACKAGE_MAINTAINER "${maintainer}")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_RUN_PACKAGE_NAME treeamr)
+set(CPACK_DEBIAN_RUN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_RUN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUN_PACKAGE_DEPENDS "paraview, python3-paraview, python3-numpy")
+set(CPACK_DEBIAN_RUN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_RUN_DESCRIPTION
+"ray tracing of octree AMR data in ParaView
+Volumes and implicit isosurfaces of cell-centred data on octrees (p4est, deal.II,
+hyper tree grids) as ParaView representations, readers, filters and a Python package.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME treeamr-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+  "treeamr (= ${TREEAMR_VERSION}-${revision}), paraview-dev, libtbb-dev")
+set(CPACK_DEBIAN_DEV_DESCRIPTION
+"ray tracing of octree AMR data: development files
+Headers and CMake package for C++ programs with or without VTK.")
+include(CPack)

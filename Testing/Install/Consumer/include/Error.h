@@ -1,0 +1,1 @@
+#error "TreeAMR has an Error.h of its own"
