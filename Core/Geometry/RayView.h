@@ -10,16 +10,21 @@ namespace treeamr
 /// Where nothing is left out between a camera's near and far plane.
 inline const RayStops noStops;
 
-/// A camera and the stops on its rays, or a camera alone. Does not own them.
+class Progress;
+
+/// A camera and the stops on its rays, or a camera alone, and who follows the image's progress, if anyone does. Does not
+/// own them.
 struct RayView
 {
-  RayView(const Camera& camera, const RayStops& stops = noStops) noexcept
+  RayView(const Camera& camera, const RayStops& stops = noStops, Progress* progress = nullptr) noexcept
     : camera(camera)
     , stops(stops)
+    , progress(progress)
   {
   }
   const Camera& camera;
   const RayStops& stops;
+  Progress* progress;
 };
 
 } // namespace treeamr

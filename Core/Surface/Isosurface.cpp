@@ -1,6 +1,7 @@
 #include "Surface/Isosurface.h"
 
 #include "Error.h"
+#include "Progress.h"
 #include "Surface/BlockBoxes.h"
 #include "Surface/SurfaceHierarchy.h"
 
@@ -405,11 +406,21 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
   };
   // Of many hits those of a few rows at a time, which caches hold until they are in the image.
   const int rows = most == 1 ? tiles.rows() : tiles.rowsTogether();
+  if (view.progress)
+  {
+    view.progress->begin(tiles.ofRows(tiles.rows()));
+  }
   std::vector<std::vector<SurfaceHit>> parts(tiles.ofRows(rows));
   for (int row = 0; row < tiles.rows(); row += rows)
   {
     const int end = std::min(row + rows, tiles.rows());
-    tiles.forAll(row, end, [&](int i, int j) { trace(i, j, parts[tiles.number(i, j, row)]); });
+    tiles.forAll(row, end, [&](int i, int j) {
+      trace(i, j, parts[tiles.number(i, j, row)]);
+      if (view.progress)
+      {
+        view.progress->step();
+      }
+    });
     for (std::size_t p = tiles.firstPixel(row); p < tiles.firstPixel(end); ++p)
     {
       image.first[p + 1] += image.first[p];

@@ -104,7 +104,7 @@ public:
   /// Whether there is any in what the cut leaves.
   bool occluded(const Ray& ray, double tMin, double tMax, const DataCut& cut) const;
   /// Hits between the camera's near and far planes, of what the stops leave. Of all layers each pixel gets the
-  /// nearest mostHits at most.
+  /// nearest mostHits at most. Throws Interrupted when the view's progress is ended: then the image is of no use.
   void render(const RayView& view, SurfaceLayers layers, HitImage& image,
     std::size_t mostHits = std::numeric_limits<std::size_t>::max(),
     SurfaceNormals normals = SurfaceNormals::Smooth) const;

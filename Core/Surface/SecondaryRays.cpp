@@ -1,6 +1,7 @@
 #include "Surface/SecondaryRays.h"
 
 #include "Error.h"
+#include "Progress.h"
 #include "Surface/SurfaceFrame.h"
 
 #include <oneapi/tbb/blocked_range2d.h>
@@ -27,9 +28,13 @@ constexpr double startOffset = 1e-3;
 /// Calls body(index of the hit, its pixel) for all hits, tile by tile: rays near each other ask for
 /// the same vertex values.
 template <class Body>
-void forEachHit(const Camera& camera, const HitImage& hits, const Body& body)
+void forEachHit(const Camera& camera, const HitImage& hits, Progress* progress, const Body& body)
 {
   checkPixels(hits, camera, "secondary rays");
+  if (progress)
+  {
+    progress->begin(hits.hits.size());
+  }
   constexpr int tile = 16;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, camera.height(), tile, 0, camera.width(), tile),
     [&](const tbb::blocked_range2d<int>& range) {
@@ -41,6 +46,10 @@ void forEachHit(const Camera& camera, const HitImage& hits, const Body& body)
           for (std::size_t i = hits.first[pixel]; i < hits.first[pixel + 1]; ++i)
           {
             body(i, x, y);
+            if (progress)
+            {
+              progress->step();
+            }
           }
         }
       }
@@ -138,7 +147,8 @@ bool isOccluded(const Isosurface& surface, const Ray& ray, double tMax, const Da
 } // namespace
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut)
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut,
+  Progress* progress)
 {
   if (open.size() != hits.hits.size())
   {
@@ -149,7 +159,7 @@ void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, cons
   const SurfaceFrame frame(camera.worldFromData());
   const std::vector<Vec3> directions = cosineDirections(first, end);
   const auto count = static_cast<std::size_t>(std::max(0, end - first));
-  forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
+  forEachHit(camera, hits, progress, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
     const std::array<Vec3, 2> across = tangents(start.normalWorld);
     const Vec3* const own = directions.data() + count * EvenPoints::patternOf(x, y);
@@ -167,12 +177,13 @@ void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, cons
 }
 
 void traceShadows(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut)
+  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut,
+  Progress* progress)
 {
   lit.assign(hits.hits.size() * lights.size(), 1);
   surface.tighten();
   const SurfaceFrame frame(camera.worldFromData());
-  forEachHit(camera, hits, [&](std::size_t i, int x, int y) {
+  forEachHit(camera, hits, progress, [&](std::size_t i, int x, int y) {
     const Start start = startOf(surface, frame, camera.ray(x, y), hits.hits[i]);
     for (std::size_t l = 0; l < lights.size(); ++l)
     {

@@ -18,13 +18,15 @@ namespace treeamr
 /// Directions are distributed by their cosine with the normal, so the part of open rays is what arrives of an
 /// even light from all sides. They depend on pixel and number alone: rays in portions are the same rays. Pixels
 /// near each other have directions that complete each other, for filterAmbientOcclusion().
-/// open: one entry for each hit, else throws Error.
+/// open: one entry for each hit, else throws Error. progress: of all hits; throws Interrupted when that is ended.
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut = {});
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut = {},
+  Progress* progress = nullptr);
 
 /// lit[l + lights.size() * i]: whether nothing stands between hit i and light l; 1 for lights that cast no shadows
-/// and those behind the surface.
+/// and those behind the surface. progress: as above.
 void traceShadows(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut = {});
+  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut = {},
+  Progress* progress = nullptr);
 
 } // namespace treeamr

@@ -2,6 +2,7 @@
 
 #include "Error.h"
 #include "Interpolation/BlockCache.h"
+#include "Progress.h"
 #include "Volume/Kernel/VolumeKernel.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -327,10 +328,27 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + volumeTileWidth - 1) / volumeTileWidth;
   const int columns = (image.width + volumeTileWidth - 1) / volumeTileWidth;
-  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 4), [&](const auto& tiles) {
+  constexpr int together = 4;
+  const auto renderRow = [&](int row, int begin, int end) {
+    const int atOnce = view.progress ? together : end - begin; // however many tiles a task has
+    for (int column = begin; column < end; column += atOnce)
+    {
+      const int next = std::min(column + atOnce, end);
+      statistics.local() += loops.renderTiles(scene, row, column, next);
+      if (view.progress)
+      {
+        view.progress->step(next - column);
+      }
+    }
+  };
+  if (view.progress)
+  {
+    view.progress->begin(static_cast<std::size_t>(rows) * columns);
+  }
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, together), [&](const auto& tiles) {
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
-      statistics.local() += loops.renderTiles(scene, row, tiles.cols().begin(), tiles.cols().end());
+      renderRow(row, tiles.cols().begin(), tiles.cols().end());
     }
   });
   const VolumeStatistics all =
@@ -353,9 +371,17 @@ void Volume::renderGroups(const RayView& view, const VolumeSettings& settings,
   check(view.camera, groups, rgba);
   const VolumeKernelScene scene = makeScene(view, settings, nullptr);
   const VolumeLoops loops = volumeLoops(scene.features);
+  if (view.progress)
+  {
+    view.progress->begin(groups.size());
+  }
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups.size(), 4), [&](const auto& part) {
     loops.renderGroups(
       scene, groups.subspan(part.begin(), part.size()), rgba.data() + part.begin() * PixelGroup::rgbaSize);
+    if (view.progress)
+    {
+      view.progress->step(part.size());
+    }
   });
 }
 

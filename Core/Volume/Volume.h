@@ -63,7 +63,8 @@ public:
 
   /// Renders into `image` (overwritten). A ray is integrated from stop to stop, with no sample across one; what the
   /// stops hide from all rays is not visited. Throws Error when the image's size or that of the stops is not the
-  /// camera's, the settings are not finite and positive, or the stops have hits and the blend is not composite.
+  /// camera's, the settings are not finite and positive, or the stops have hits and the blend is not composite; and
+  /// Interrupted when the view's progress is ended: then the image has some of its pixels.
   VolumeStatistics render(const RayView& view, const VolumeSettings& settings, Image& image);
 
   /// The pixels of these groups as render() gives them, to the bit. rgba: rgbaSize floats for each group, row by

@@ -21,6 +21,7 @@ vtkTreeAMRIsosurfaceRepresentation::vtkTreeAMRIsosurfaceRepresentation()
   this->Mapper->SetScalarModeToUseCellFieldData();
   // ParaView puts the range into the table, not into the mapper.
   this->Mapper->UseLookupTableScalarRangeOn();
+  this->FollowProgress(this->Mapper);
 }
 
 //------------------------------------------------------------------------------

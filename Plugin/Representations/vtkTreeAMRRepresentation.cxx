@@ -18,7 +18,9 @@
 #include "vtkNew.h"
 #include "vtkPVRenderView.h"
 #include "vtkProp3D.h"
+#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkTransform.h"
 
 #include "Error.h"
 #include "GridExchange.h"
@@ -245,6 +247,24 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::FollowProgress(vtkAlgorithm* mapper)
+{
+  mapper->AddObserver(vtkCommand::ProgressEvent, this, &vtkTreeAMRRepresentation::MapperProgressed);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::MapperProgressed(
+  vtkObject* vtkNotUsed(mapper), unsigned long vtkNotUsed(event), void* part)
+{
+  auto view = vtkPVRenderView::SafeDownCast(this->GetView());
+  // Frames while the camera moves are over before anybody could read it.
+  if (view && view->GetRenderWindow()->GetDesiredUpdateRate() < 1.)
+  {
+    this->UpdateProgress(*static_cast<double*>(part));
+  }
+}
+
+//------------------------------------------------------------------------------
 // A grid with other arrays takes the place of the one in the view's cache when the pipeline has run again.
 void vtkTreeAMRRepresentation::AskForShownArrays()
 {
@@ -401,6 +421,14 @@ void vtkTreeAMRRepresentation::SetOrientation(double x, double y, double z)
 void vtkTreeAMRRepresentation::SetOrigin(double x, double y, double z)
 {
   this->GetProp()->SetOrigin(x, y, z);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetUserTransform(const double matrix[16])
+{
+  vtkNew<vtkTransform> transform;
+  transform->SetMatrix(matrix);
+  this->GetProp()->SetUserTransform(transform);
 }
 
 //------------------------------------------------------------------------------

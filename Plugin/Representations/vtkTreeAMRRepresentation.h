@@ -24,6 +24,7 @@ struct NamedGrid;
 }
 
 class SweepDrafts;
+class vtkAlgorithm;
 class vtkAlgorithmOutput;
 class vtkHyperTreeGrid;
 class vtkProp3D;
@@ -46,6 +47,8 @@ public:
   void SetScale(double x, double y, double z);
   void SetOrientation(double x, double y, double z);
   void SetOrigin(double x, double y, double z);
+  /// Row by row, of a matrix that follows the others.
+  void SetUserTransform(const double matrix[16]);
   void SetPickable(int pickable);
   ///@}
 
@@ -75,6 +78,9 @@ protected:
   /// Before each render, on every rank of several: the mapper's.
   virtual void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) = 0;
 
+  /// For ParaView's status bar: tells the progress of the mapper's still frames as its own.
+  void FollowProgress(vtkAlgorithm* mapper);
+
   /// The array chosen in the Coloring section; empty: none.
   std::string GetColorArrayName();
 
@@ -97,6 +103,7 @@ private:
   /// Throws treeamr::Error when they are on no lattice.
   void MergeGrids(const std::string& collection, const std::vector<treeamr::NamedGrid>& grids);
 
+  void MapperProgressed(vtkObject* mapper, unsigned long event, void* part);
   void AskForShownArrays();
   void Redistribute(bool hasFailed);
   void WarnOfOtherBoxes();

@@ -32,6 +32,7 @@ vtkTreeAMRVolumeRepresentation::vtkTreeAMRVolumeRepresentation()
   this->Mapper->SetScalarModeToUseCellFieldData();
   this->Property->GetIsoSurfaceValues()->SetNumberOfContours(0); // VTK's default is the value 0
   this->DefaultColor->SetColorSpaceToDiverging();
+  this->FollowProgress(this->Mapper);
 }
 
 //------------------------------------------------------------------------------

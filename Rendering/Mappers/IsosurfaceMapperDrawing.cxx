@@ -1,4 +1,5 @@
 // How an isosurface mapper draws: its views, their hits and light, and the ways into the window.
+#include "FrameWatch.h"
 #include "ImageReduction.h"
 #include "IsosurfaceMapperInternals.h"
 #include "RenderPasses.h"
@@ -118,7 +119,8 @@ bool vtkTreeAMRIsosurfaceMapper::UpdateSurface(treeamr::SurfaceActorView& view)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::UpdateHits(treeamr::SurfaceActorView& view, double distance)
+void vtkTreeAMRIsosurfaceMapper::UpdateHits(
+  treeamr::SurfaceActorView& view, double distance, treeamr::Progress* progress)
 {
   // Draft or not: a still camera loses nothing, and takes no time while something else moves.
   if (view.surface.isOf(view.pose) && view.surface.sampleDistance() == distance &&
@@ -129,12 +131,13 @@ void vtkTreeAMRIsosurfaceMapper::UpdateHits(treeamr::SurfaceActorView& view, dou
   view.pictureIsOfThisFrame = false;
   view.colorFields.clear();
   const double start = vtkTimerLog::GetUniversalTime();
-  view.surface.trace(this->Private->Surfaces, view.pose, distance, view.plan.levelOfDetail);
+  view.surface.trace(this->Private->Surfaces, view.pose, distance, view.plan.levelOfDetail, progress);
   view.seconds = vtkTimerLog::GetUniversalTime() - start;
 }
 
 //------------------------------------------------------------------------------
-treeamr::SurfaceShader vtkTreeAMRIsosurfaceMapper::Light(treeamr::SurfaceActorView& view)
+treeamr::SurfaceShader vtkTreeAMRIsosurfaceMapper::Light(
+  treeamr::SurfaceActorView& view, treeamr::Progress* progress)
 {
   Internals& internals = *this->Private;
   vtkProperty* property = view.actor->GetProperty();
@@ -158,7 +161,7 @@ treeamr::SurfaceShader vtkTreeAMRIsosurfaceMapper::Light(treeamr::SurfaceActorVi
       this->AmbientOcclusionRadius * view.surface.diagonalOf(internals.Field->octree().grid());
     wanted.mostNewSamples = view.plan.isInteractive ? InteractiveSamples : this->AmbientOcclusionSamples;
     wanted.shadows = this->Shadows;
-    visibility = &view.surface.updateVisibility(wanted, appearance.lights);
+    visibility = &view.surface.updateVisibility(wanted, appearance.lights, progress);
   }
 
   treeamr::HitColors colors;
@@ -220,12 +223,13 @@ bool vtkTreeAMRIsosurfaceMapper::ReadDepthToFlatten(
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::MakePicture(
-  treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll)
+  treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll,
+  treeamr::Progress* progress)
 {
   Internals& internals = *this->Private;
   vtkTreeAMRSurfaceImage& image = internals.Image;
   const bool geometry = treeamr::wantsGeometry(view.actor);
-  treeamr::ActorLayers layers(view.renderer, actors, view.pose.layers);
+  treeamr::ActorLayers layers(view.renderer, actors, view.pose.layers, progress);
   const double distance = layers.chooseSampleDistance(0.);
   const std::vector<treeamr::SurfaceShader>& shaders = layers.trace(distance);
   const treeamr::ImageReduction reduction(view.pose.width, view.pose.height, distance);
@@ -252,7 +256,8 @@ void vtkTreeAMRIsosurfaceMapper::MakePicture(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* actor)
+void vtkTreeAMRIsosurfaceMapper::RenderSurface(
+  vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress)
 {
   Internals& internals = *this->Private;
   internals.Messages.unsupported(treeamr::unsupportedSettings(actor, this));
@@ -278,7 +283,7 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   {
     if (this->UpdateSurface(view))
     {
-      this->UpdateHits(view, view.plan.sampleDistance);
+      this->UpdateHits(view, view.plan.sampleDistance, progress);
       this->Select(view);
     }
     return;
@@ -286,13 +291,14 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(vtkRenderer* renderer, vtkActor* 
   if (!view.pictureIsOfThisFrame || view.picturePose != view.pose ||
     view.picture.HasGeometry() != treeamr::wantsGeometry(actor))
   {
-    this->MakePicture(view, actors, hasAll);
+    this->MakePicture(view, actors, hasAll, progress);
   }
   internals.Painter.Draw(renderer, actor, this, view.picture);
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(vtkRenderer* renderer, vtkActor* actor)
+void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(
+  vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress)
 {
   Internals& internals = *this->Private;
   const treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
@@ -315,7 +321,7 @@ void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(vtkRenderer* renderer, vtkActor
   {
     vtkTreeAMRDepthReader::Read(renderer, viewport, rays.End);
   }
-  treeamr::ActorLayers layers(renderer, scene.surfaces, treeamr::SurfaceLayers::All);
+  treeamr::ActorLayers layers(renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress);
   const double distance = layers.chooseSampleDistance(0.);
   const std::vector<treeamr::SurfaceShader>& shaders = layers.trace(distance);
   if (shaders.empty())
@@ -342,13 +348,33 @@ void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(vtkRenderer* renderer, vtkActor
 //------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::RenderWithVolumes(vtkRenderer* renderer, vtkActor* actor)
 {
-  if (renderer->GetSelector())
+  if (!renderer->GetSelector())
+  {
+    this->Watch(renderer,
+      [&](treeamr::Progress* progress) { this->DrawWithVolumes(renderer, actor, progress); });
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRIsosurfaceMapper::Watch(
+  vtkRenderer* renderer, const std::function<void(treeamr::Progress*)>& draw)
+{
+  treeamr::FrameWatch watch(renderer, this, true);
+  if (treeamr::FrameWatch::isReporting())
+  {
+    this->Private->Messages.unsupported({ treeamr::nestedFrames });
+  }
+  if (!watch.canDraw())
   {
     return;
   }
   try
   {
-    this->DrawWithVolumes(renderer, actor);
+    draw(watch.progress());
+  }
+  catch (const treeamr::Interrupted&)
+  {
+    // Nothing of it is drawn or kept.
   }
   catch (const std::exception& error)
   {
@@ -386,14 +412,8 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
 {
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();
-  try
-  {
-    this->RenderSurface(renderer, actor);
-  }
-  catch (const std::exception& error)
-  {
-    this->Private->Messages.error(error);
-  }
+  this->Watch(
+    renderer, [&](treeamr::Progress* progress) { this->RenderSurface(renderer, actor, progress); });
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
 }

@@ -19,7 +19,8 @@ void SurfaceView::release()
   hits_.hits.clear();
 }
 
-void SurfaceView::trace(SurfaceLevels& levels, const SurfacePose& pose, double distance, double levelOfDetail)
+void SurfaceView::trace(SurfaceLevels& levels, const SurfacePose& pose, double distance, double levelOfDetail,
+  Progress* progress)
 {
   camera_.reset();
   visibility_ = {};
@@ -34,7 +35,7 @@ void SurfaceView::trace(SurfaceLevels& levels, const SurfacePose& pose, double d
   surface_->startFrame();
   RayStops stops;
   stops.cut = pose.cut;
-  surface_->render({ camera, stops }, pose.layers, hits_, pose.mostHits, pose.normals);
+  surface_->render({ camera, stops, progress }, pose.layers, hits_, pose.mostHits, pose.normals);
   camera_ = camera;
 }
 
@@ -57,7 +58,7 @@ double SurfaceView::diagonalOf(const RootGrid& grid) const
 }
 
 const SurfaceVisibility& SurfaceView::updateVisibility(
-  const SecondaryRays& wanted, const std::vector<Light>& lights)
+  const SecondaryRays& wanted, const std::vector<Light>& lights, Progress* progress)
 {
   if (wanted.occlusionRadius != occlusionRadius_ || occlusionRays_ > wanted.occlusionSamples)
   {
@@ -76,7 +77,8 @@ const SurfaceVisibility& SurfaceView::updateVisibility(
     {
       openRays_.assign(hits_.hits.size(), 0);
     }
-    traceAmbientOcclusion(*surface_, *camera_, hits_, occlusionRadius_, begin, end, openRays_, pose_.cut);
+    traceAmbientOcclusion(
+      *surface_, *camera_, hits_, occlusionRadius_, begin, end, openRays_, pose_.cut, progress);
     visibility_.open = filterAmbientOcclusion(*camera_, hits_, openRays_, end);
     occlusionRays_ = end;
   }
@@ -89,7 +91,7 @@ const SurfaceVisibility& SurfaceView::updateVisibility(
   else if (shadowLights_ != lights)
   {
     shadowLights_.clear();
-    traceShadows(*surface_, *camera_, hits_, lights, visibility_.lit, pose_.cut);
+    traceShadows(*surface_, *camera_, hits_, lights, visibility_.lit, pose_.cut, progress);
     shadowLights_ = lights;
   }
   return visibility_;

@@ -8,6 +8,7 @@
 
 #include "Geometry/Camera.h"
 #include "Geometry/RayStops.h"
+#include "Progress.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Shading.h"
 
@@ -55,8 +56,9 @@ public:
   /// Whether the hits are those of this pose, at whatever distance of rays.
   bool isOf(const SurfacePose& pose) const { return camera_ && pose_ == pose; }
   /// Traces the hits, rays at least `distance` pixels apart; levelOfDetail: pixels of that picture below which cells
-  /// are drawn together, or 0. Throws Error as Isosurface(); then there are no hits.
-  void trace(SurfaceLevels& levels, const SurfacePose& pose, double distance, double levelOfDetail);
+  /// are drawn together, or 0. Throws Error as Isosurface(), and Interrupted; then there are no hits.
+  void trace(SurfaceLevels& levels, const SurfacePose& pose, double distance, double levelOfDetail,
+    Progress* progress = nullptr);
   /// The hits and the surfaces.
   void release();
 
@@ -70,8 +72,9 @@ public:
 
   /// Length in the view of the longest diagonal of the grid's bounds.
   double diagonalOf(const RootGrid& grid) const;
-  /// What of the wanted rays is not known yet is traced.
-  const SurfaceVisibility& updateVisibility(const SecondaryRays& wanted, const std::vector<Light>& lights);
+  /// What of the wanted rays is not known yet is traced. Throws Interrupted.
+  const SurfaceVisibility& updateVisibility(
+    const SecondaryRays& wanted, const std::vector<Light>& lights, Progress* progress = nullptr);
 
 private:
   SurfacePose pose_;

@@ -132,8 +132,10 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer)
 }
 
 //------------------------------------------------------------------------------
-ActorLayers::ActorLayers(vtkRenderer* renderer, std::span<vtkActor* const> actors, SurfaceLayers layers)
+ActorLayers::ActorLayers(
+  vtkRenderer* renderer, std::span<vtkActor* const> actors, SurfaceLayers layers, Progress* progress)
   : isInteractive_(isInteractive(renderer))
+  , progress_(progress)
 {
   for (vtkActor* actor : actors)
   {
@@ -171,8 +173,8 @@ const std::vector<SurfaceShader>& ActorLayers::trace(double sampleDistance)
   std::erase_if(surfaces_, [&](const Surface& surface) {
     try
     {
-      surface.mapper->UpdateHits(*surface.view, sampleDistance);
-      shaders_.push_back(surface.mapper->Light(*surface.view));
+      surface.mapper->UpdateHits(*surface.view, sampleDistance, progress_);
+      shaders_.push_back(surface.mapper->Light(*surface.view, progress_));
       return false;
     }
     catch (const std::exception& error)

@@ -46,8 +46,9 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer);
 class ActorLayers
 {
 public:
-  /// Takes all their layers, or of each the nearest surface.
-  ActorLayers(vtkRenderer* renderer, std::span<vtkActor* const> actors, SurfaceLayers layers);
+  /// Takes all their layers, or of each the nearest surface. progress: of tracing them; null: none follows.
+  ActorLayers(
+    vtkRenderer* renderer, std::span<vtkActor* const> actors, SurfaceLayers layers, Progress* progress);
   ActorLayers(const ActorLayers&) = delete;
   ActorLayers& operator=(const ActorLayers&) = delete;
 
@@ -55,7 +56,7 @@ public:
   /// Of one picture: the distance between rays that all can keep up with while the camera moves, else the least that
   /// any asks for. `own`: of whoever draws the surfaces besides; 0 for none.
   double chooseSampleDistance(double own) const;
-  /// Traces what is not known yet. The shaders last as long as this.
+  /// Traces what is not known yet. Throws Interrupted. The shaders last as long as this.
   const std::vector<SurfaceShader>& trace(double sampleDistance);
   /// What it took to shade all of them, to be shared.
   void recordShading(double seconds);
@@ -68,6 +69,7 @@ private:
     double wantedDistance;
   };
   bool isInteractive_;
+  Progress* progress_;
   std::vector<Surface> surfaces_; // that have something to draw
   std::vector<SurfaceShader> shaders_;
 };

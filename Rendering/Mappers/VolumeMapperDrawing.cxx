@@ -1,14 +1,19 @@
 // How a volume mapper draws: the frame's plan, its rays, and the ways into the window.
 #include "FramePlan.h"
+#include "FrameWatch.h"
+#include "SampleDistance.h"
 #include "SceneConversion.h"
 #include "VolumeEffects.h"
 #include "VolumeMapperInternals.h"
 #include "vtkTreeAMRDepthReader.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
 
+#include "Error.h"
 #include "Volume/ErrorEstimate.h"
 
 #include "vtkCommand.h"
+#include "vtkHardwareSelector.h"
+#include "vtkMultiVolume.h"
 #include "vtkRenderer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
@@ -48,6 +53,18 @@ void vtkTreeAMRVolumeMapper::AgreeOnDrafts(
 }
 
 //------------------------------------------------------------------------------
+double vtkTreeAMRVolumeMapper::GetFrameSamplesPerCell(vtkVolume* volume)
+{
+  const auto& field = this->Private->Field;
+  if (!(this->SampleDistance > 0.) || this->LockSampleDistanceToInputSpacing || !field)
+  {
+    return this->SamplesPerCell;
+  }
+  const double samples = treeamr::samplesPerCellFor(this->SampleDistance, field->octree(), volume);
+  return std::clamp(samples, FewestSamplesPerCell, MostSamplesPerCell);
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
 {
   Internals& internals = *this->Private;
@@ -65,7 +82,7 @@ void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
   frame.Interactive = plan.isDraft;
   frame.ImageSampleDistance = plan.sampleDistance;
   frame.LevelOfDetail = internals.Categories ? 0. : plan.levelOfDetail;
-  frame.SamplesPerCell = this->SamplesPerCell;
+  frame.SamplesPerCell = this->GetFrameSamplesPerCell(volume);
   if (!frame.Interactive && (this->EstimateError || this->TargetError > 0.))
   {
     frame.SquaredError = 0.;
@@ -166,7 +183,8 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
     const bool shaded = picture.Volume->GetProperty()->GetShade(0) || this->ShadeIsosurfaces;
     pose.normals = shaded ? treeamr::SurfaceNormals::Smooth : treeamr::SurfaceNormals::None;
     pose.cut = picture.Cut;
-    treeamr::SurfaceView& view = own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail);
+    treeamr::SurfaceView& view = 
+      own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail, picture.Progress);
     treeamr::SurfaceAppearance appearance;
     appearance.opaque = false;
     appearance.lights = treeamr::convertLights(picture.Renderer);
@@ -184,7 +202,8 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
         wanted.mostNewSamples = vtkTreeAMRIsosurfaceMapper::InteractiveSamples;
       }
     }
-    const treeamr::SurfaceVisibility& visibility = view.updateVisibility(wanted, appearance.lights);
+    const treeamr::SurfaceVisibility& visibility = 
+      view.updateVisibility(wanted, appearance.lights, picture.Progress);
     picture.Shaders->emplace_back(
       view.hits(), view.camera(), std::move(appearance), visibility, treeamr::HitColors());
   }
@@ -224,7 +243,7 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     try
     {
-      this->CastRays({ camera, stops }, picture.IsPeeling && !picture.IsWhole, image);
+      this->CastRays({ camera, stops, picture.Progress }, picture.IsPeeling && !picture.IsWhole, image);
       return;
     }
     catch (const std::exception& error)
@@ -258,6 +277,7 @@ vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::Trace(Picture& picture, const vtkTree
   if (!rays.IsEmpty())
   {
     this->Composite(picture, rays, result.Image);
+    treeamr::applyColorWindow(this->FinalColorWindow, this->FinalColorLevel, result.Image);
   }
   return result;
 }
@@ -307,8 +327,13 @@ void vtkTreeAMRVolumeMapper::DrawOver(Picture& picture)
 }
 
 //------------------------------------------------------------------------------
-bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volume)
+bool vtkTreeAMRVolumeMapper::RenderVolume(
+  vtkRenderer* renderer, vtkVolume* volume, treeamr::Progress* progress)
 {
+  if (vtkMultiVolume::SafeDownCast(volume))
+  {
+    throw treeamr::Error("volume mapper: in a vtkMultiVolume, needed is a vtkVolume of its own for each grid");
+  }
   treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
   const bool isWhole = scene.volume == volume;
   const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
@@ -324,7 +349,7 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
   cut.cropping = treeamr::convertCropping(this);
   Picture picture{ renderer, volume, vtkTreeAMRTarget::GetViewport(renderer), isWhole, isPeeling,
     this->PrepareVolume(renderer, volume), std::move(cut),
-    { renderer, scene.surfaces, treeamr::SurfaceLayers::All }, {} };
+    { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, {} };
   if (picture.HasVolume || !picture.Actors.isEmpty())
   {
     isPeeling ? this->DrawPeeled(picture) : this->DrawOver(picture);
@@ -335,18 +360,33 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(vtkRenderer* renderer, vtkVolume* volu
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
 {
-  if (renderer->GetSelector())
+  if (vtkHardwareSelector* selector = renderer->GetSelector())
   {
-    return; // as if there were no volume
+    if (selector->GetActorPassOnly())
+    {
+      this->SelectProp(renderer, volume);
+    }
+    return; // of cells and points as if there were no volume
+  }
+  if (treeamr::FrameWatch::isReporting())
+  {
+    this->Private->Messages.unsupported({ treeamr::nestedFrames });
   }
   this->WarnOfSettings(volume);
   this->InvokeEvent(vtkCommand::VolumeMapperRenderStartEvent, nullptr);
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();
   bool isRound = true;
+  treeamr::FrameWatch watch(
+    renderer, this, this->ReportProgress, vtkCommand::VolumeMapperRenderProgressEvent);
   try
   {
-    isRound = this->RenderVolume(renderer, volume);
+    isRound = watch.canDraw() && this->RenderVolume(renderer, volume, watch.progress());
+  }
+  catch (const treeamr::Interrupted&)
+  {
+    isRound = false;
+    this->Private->CurrentFrame = treeamr::VolumeFrame(); // nothing of it is drawn or counts
   }
   catch (const std::exception& error)
   {

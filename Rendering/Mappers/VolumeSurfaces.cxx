@@ -19,11 +19,12 @@ void VolumeSurfaces::release()
   view_.release();
 }
 
-SurfaceView& VolumeSurfaces::trace(const SurfacePose& pose, double distance, double levelOfDetail)
+SurfaceView& VolumeSurfaces::trace(
+  const SurfacePose& pose, double distance, double levelOfDetail, Progress* progress)
 {
   if (!view_.isOf(pose) || view_.sampleDistance() != distance || levelOfDetail_ != levelOfDetail)
   {
-    view_.trace(levels_, pose, distance, levelOfDetail);
+    view_.trace(levels_, pose, distance, levelOfDetail, progress);
     levelOfDetail_ = levelOfDetail;
   }
   return view_;

@@ -25,8 +25,8 @@ public:
   void release();
 
   /// All hits of a picture; the last ones when nothing has changed. Cells smaller than levelOfDetail pixels are drawn
-  /// together. Throws Error as Isosurface().
-  SurfaceView& trace(const SurfacePose& pose, double distance, double levelOfDetail);
+  /// together. Throws Error as Isosurface(), and Interrupted.
+  SurfaceView& trace(const SurfacePose& pose, double distance, double levelOfDetail, Progress* progress);
   std::size_t hitCount() const noexcept { return view_.hits().hits.size(); }
 
 private:

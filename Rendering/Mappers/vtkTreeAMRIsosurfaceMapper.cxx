@@ -1,6 +1,7 @@
 #include "vtkTreeAMRIsosurfaceMapper.h"
 
 #include "IsosurfaceMapperInternals.h"
+#include "LinePick.h"
 #include "SurfaceColors.h"
 
 #include "Error.h"
@@ -12,6 +13,7 @@
 #include "vtkObjectFactory.h"
 
 #include <algorithm>
+#include <exception>
 
 vtkStandardNewMacro(vtkTreeAMRIsosurfaceMapper);
 
@@ -246,6 +248,29 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
     internals.Field = field;
   }
   internals.Contoured = contoured;
+}
+
+//------------------------------------------------------------------------------
+vtkIdType vtkTreeAMRIsosurfaceMapper::IntersectWithLine(const double p1[3], const double p2[3], double t1,
+  double t2, double& t, double normal[3], double& value)
+{
+  try
+  {
+    vtkHyperTreeGrid* grid = this->UpdateInput();
+    this->UpdateSurface(grid);
+    if (this->Private->Surfaces.isEmpty())
+    {
+      return -1;
+    }
+    const auto pick =
+      treeamr::pickSurface(*this->Private->Surfaces.inFull(), treeamr::pickLine(p1, p2, t1, t2));
+    return pick ? treeamr::tell(*pick, grid, t, normal, value) : -1;
+  }
+  catch (const std::exception& error)
+  {
+    this->Private->Messages.error(error);
+    return -1;
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -33,6 +33,9 @@
  * Actors may share a mapper, and mappers a grid: the data and the surfaces are there once, and each actor has
  * its own matrix, mirrored ones included.
  *
+ * While a frame takes long, ProgressEvent and the window's AbortCheckEvent come as from vtkTreeAMRVolumeMapper, and
+ * end it alike.
+ *
  * Hardware selection gives the cells that the surface is seen in, as indices into the grid's cell arrays; a
  * surface has no points to select. Pickers that read the depth buffer (vtkPropPicker, vtkWorldPointPicker)
  * find points of the surface, where vtkTreeAMRProbeFilter gives the value of any array; those that intersect
@@ -65,6 +68,7 @@ namespace treeamr
 class ActorLayers;
 class MapperMessages;
 struct SurfaceActorView;
+class Progress;
 enum class SurfaceLayers;
 class SurfaceShader;
 } // namespace treeamr
@@ -164,6 +168,12 @@ public:
   vtkMTimeType GetSurfaceBuildTime();
   ///@}
 
+  /// The nearest point of the surfaces on the line from p1 to p2 (data coordinates), between the fractions t1 and t2 of
+  /// it: its fraction t, the normal towards lower values (of any length), the surface's value; returns the cell's index
+  /// in the cell arrays. -1: there is none, or it failed, as the next frame tells. For vtkTreeAMRPicker.
+  vtkIdType IntersectWithLine(const double p1[3], const double p2[3], double t1, double t2, double& t,
+    double normal[3], double& value);
+
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
@@ -213,15 +223,18 @@ private:
   treeamr::MapperMessages& GetMessages();
   /// With the pose of this frame.
   treeamr::SurfaceActorView& FindView(vtkRenderer* renderer, vtkActor* actor, treeamr::SurfaceLayers layers);
-  void UpdateHits(treeamr::SurfaceActorView& view, double distance);
-  treeamr::SurfaceShader Light(treeamr::SurfaceActorView& view);
+  void UpdateHits(treeamr::SurfaceActorView& view, double distance, treeamr::Progress* progress);
+  treeamr::SurfaceShader Light(treeamr::SurfaceActorView& view, treeamr::Progress* progress);
   void RecordFrame(treeamr::SurfaceActorView& view, double shadingSeconds);
   bool ReadDepthToFlatten(const treeamr::SurfaceActorView& view, bool hasAll, std::vector<float>& depth);
-  void MakePicture(treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll);
-  void RenderSurface(vtkRenderer* renderer, vtkActor* actor);
+  void MakePicture(treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll,
+    treeamr::Progress* progress);
+  void RenderSurface(vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress);
   /// When the renderer draws volumes: all surfaces that its translucent scene has, if this actor draws them.
   void RenderWithVolumes(vtkRenderer* renderer, vtkActor* actor);
-  void DrawWithVolumes(vtkRenderer* renderer, vtkActor* actor);
+  void DrawWithVolumes(vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress);
+  /// Watches what draws, and reports its errors.
+  void Watch(vtkRenderer* renderer, const std::function<void(treeamr::Progress*)>& draw);
   void Select(treeamr::SurfaceActorView& view);
 
   std::unique_ptr<Internals> Private;

@@ -63,7 +63,7 @@ vtkTreeAMRVolumeMapper::~vtkTreeAMRVolumeMapper() = default;
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::SetSamplesPerCell(double value)
 {
-  treeamr::setWithin(this, "SamplesPerCell", this->SamplesPerCell, value, 0.01, MostSamplesPerCell);
+  treeamr::setWithin(this, "SamplesPerCell", this->SamplesPerCell, value, FewestSamplesPerCell, MostSamplesPerCell);
 }
 
 //------------------------------------------------------------------------------
@@ -135,6 +135,12 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "OpacityArrayName: " << this->OpacityArrayName << endl;
   os << indent << "OpacityComponent: " << this->OpacityComponent << endl;
   os << indent << "SamplesPerCell: " << this->SamplesPerCell << endl;
+  os << indent << "SampleDistance: " << this->SampleDistance << endl;
+  os << indent << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing << endl;
+  os << indent << "UseJittering: " << this->UseJittering << endl;
+  os << indent << "FinalColorWindow: " << this->FinalColorWindow << endl;
+  os << indent << "FinalColorLevel: " << this->FinalColorLevel << endl;
+  os << indent << "ReportProgress: " << this->ReportProgress << endl;
   os << indent << "SkipEmptySpace: " << this->SkipEmptySpace << endl;
   os << indent << "VertexCacheSize: " << this->VertexCacheSize << endl;
   os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << endl;
@@ -210,6 +216,12 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetOpacityArrayName(other->OpacityArrayName.c_str());
     this->SetOpacityComponent(other->OpacityComponent);
     this->SetSamplesPerCell(other->SamplesPerCell);
+    this->SetSampleDistance(other->SampleDistance);
+    this->SetLockSampleDistanceToInputSpacing(other->LockSampleDistanceToInputSpacing);
+    this->SetUseJittering(other->UseJittering);
+    this->SetFinalColorWindow(other->FinalColorWindow);
+    this->SetFinalColorLevel(other->FinalColorLevel);
+    this->SetReportProgress(other->ReportProgress);
     this->SetVertexCacheSize(other->VertexCacheSize);
     this->SetSkipEmptySpace(other->SkipEmptySpace);
     this->SetAutoAdjustSampleDistances(other->AutoAdjustSampleDistances);
@@ -323,6 +335,9 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
          std::pair("maximum image sample distance", this->MaximumImageSampleDistance),
          std::pair("interactive render time", this->InteractiveRenderTime),
          std::pair("level of detail", this->LevelOfDetail), std::pair("target error", this->TargetError),
+         std::pair("sample distance", this->SampleDistance),
+         std::pair("final color window", this->FinalColorWindow),
+         std::pair("final color level", this->FinalColorLevel),
          std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale),
          std::pair("ambient occlusion radius", this->AmbientOcclusionRadius) })
   {
@@ -330,6 +345,10 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
     {
       throw treeamr::Error(std::string("volume mapper: the ") + name + " is not a number");
     }
+  }
+  if (this->FinalColorWindow == 0.)
+  {
+    throw treeamr::Error("volume mapper: a final color window of 0, allowed are all others");
   }
 }
 
@@ -346,6 +365,10 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
   {
     names.emplace_back(
       hasCategories ? "OpacityArrayName of categories" : "OpacityArrayName with a BlendMode of values");
+  }
+  if (this->UseJittering)
+  {
+    names.emplace_back("UseJittering");
   }
   this->Private->Messages.unsupported(names);
 }

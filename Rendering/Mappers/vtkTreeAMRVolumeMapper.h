@@ -23,11 +23,18 @@
  * cropping (regions of data coordinates) cut the volume and its own isosurfaces, at the planes and not at cells,
  * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for:
  * two-dimensional functions, components with functions of their own, slices.
- * Selections pass through volumes. The property's interpolation type is not asked: the field is always continuous,
+ * Selections of cells and points pass through volumes; props alone are selected (vtkPropPicker) where the volume is seen.
+ * The property's interpolation type is not asked: the field is always continuous,
  * but for categories.
  *
  * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
  * surfaces of its own value have, with the opacity function's opacity there, and nothing is interpolated.
+ *
+ * VolumeMapperRenderStartEvent and VolumeMapperRenderEndEvent come with each call of Render(), in frames that take
+ * long VolumeMapperRenderProgressEvent and ProgressEvent twenty times a second, with the part of the present work that is
+ * done: a frame may take several (isosurfaces, their occlusion, the volume). Meanwhile the window checks for aborts, and
+ * vtkRenderWindow::SetAbortRender(1) by an observer of any of these ends the frame, of which nothing is kept. Where there
+ * are several processes none aborts.
  *
  * What is unchanged is not made again: a camera costs one frame, a colour map a table of 4096 entries, an
  * array its conversion. While the render window asks for one frame a second or more (vtkRenderWindow::
@@ -56,6 +63,7 @@ namespace treeamr
 struct ArraySelection;
 struct DraftSettings;
 struct Image;
+class Progress;
 struct RayView;
 } // namespace treeamr
 
@@ -102,13 +110,46 @@ public:
   ///@}
 
   ///@{
-  /// Samples of the field along one cell's width, from 0.01 to MostSamplesPerCell, where colour or opacity vary in the
+  /// Samples of the field along one cell's width, from FewestSamplesPerCell to MostSamplesPerCell, where colour or opacity vary in the
   /// cell; fewer where little can change, but at least one in each cell, or block of eight cells of one size,
   /// that a ray crosses. Where the opacity function varies more than samples can follow its integral over
   /// each step is used. Default 2.
   virtual void SetSamplesPerCell(double value);
   vtkGetMacro(SamplesPerCell, double);
+  static constexpr double FewestSamplesPerCell = 0.01;
   static constexpr double MostSamplesPerCell = 1024.;
+  ///@}
+  ///@{
+  /// As of VTK's volume mappers: the longest distance, in the world, between samples of a ray, in whose place the
+  /// widest cells have so many samples, and smaller ones as many, as SamplesPerCell has it (and within its limits).
+  /// 0 or less (default) is for SamplesPerCell; so is LockSampleDistanceToInputSpacing (default off): cells are the
+  /// spacing. TargetError comes before both.
+  vtkSetMacro(SampleDistance, double);
+  vtkGetMacro(SampleDistance, double);
+  vtkSetMacro(LockSampleDistanceToInputSpacing, bool);
+  vtkGetMacro(LockSampleDistanceToInputSpacing, bool);
+  vtkBooleanMacro(LockSampleDistanceToInputSpacing, bool);
+  ///@}
+  ///@{
+  /// Hides the rings that too few samples make in VTK's volume mappers. There are none here: each step has its integral.
+  /// On warns once. Default off.
+  vtkSetMacro(UseJittering, bool);
+  vtkGetMacro(UseJittering, bool);
+  vtkBooleanMacro(UseJittering, bool);
+  ///@}
+  ///@{
+  /// As of VTK's volume mappers: the picture's colours from Level - Window / 2 to Level + Window / 2 become those from 0 to
+  /// 1, in composites as much of them as covers what is behind. Window may be negative, but not 0. Default 1 and 0.5.
+  vtkSetMacro(FinalColorWindow, double);
+  vtkGetMacro(FinalColorWindow, double);
+  vtkSetMacro(FinalColorLevel, double);
+  vtkGetMacro(FinalColorLevel, double);
+  ///@}
+  ///@{
+  /// Whether long frames tell their progress. They check for aborts in any case. Default on.
+  vtkSetMacro(ReportProgress, bool);
+  vtkGetMacro(ReportProgress, bool);
+  vtkBooleanMacro(ReportProgress, bool);
   ///@}
   ///@{
   /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed
@@ -249,6 +290,13 @@ public:
   /// Modification time of the isosurfaces in use; 0 before the first.
   vtkMTimeType GetIsosurfaceBuildTime();
 
+  /// The first point on the line from p1 to p2 (data coordinates), between the fractions t1 and t2 of it and in the
+  /// cropping regions, where the volume's scalar opacity is at least `opacity`, found in steps of an eighth of a cell: its
+  /// fraction t, the normal towards lower values or of the face entered (of any length; 0: there is none) and the value of the drawn array; returns
+  /// the cell's index in the cell arrays. -1: there is none, or it failed, as the next frame tells. For vtkTreeAMRPicker.
+  vtkIdType IntersectWithLine(vtkVolume* volume, const double p1[3], const double p2[3], double t1, double t2,
+    double opacity, double& t, double normal[3], double& value);
+
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
@@ -269,6 +317,12 @@ protected:
   std::string OpacityArrayName;
   int OpacityComponent = -1;
   double SamplesPerCell = 2.;
+  double SampleDistance = 0.;
+  bool LockSampleDistanceToInputSpacing = false;
+  bool UseJittering = false;
+  double FinalColorWindow = 1.;
+  double FinalColorLevel = 0.5;
+  bool ReportProgress = true;
   bool SkipEmptySpace = true;
   int VertexCacheSize; // defaultKeptBytes
   bool AutoAdjustSampleDistances = true;
@@ -305,6 +359,7 @@ private:
   bool PrepareVolume(vtkRenderer* renderer, vtkVolume* volume);
   treeamr::DraftSettings GetDraftSettings() const;
   void RecordLastFrame();
+  double GetFrameSamplesPerCell(vtkVolume* volume);
   void StartFrame(const Picture& picture);
   void TraceSurfaces(Picture& picture);
   void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);
@@ -312,8 +367,10 @@ private:
   vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
   void DrawPeeled(Picture& picture);
   void DrawOver(Picture& picture);
+  /// For a selector of props alone.
+  void SelectProp(vtkRenderer* renderer, vtkVolume* volume);
   /// False: there was nothing left to draw.
-  bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume);
+  bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume, treeamr::Progress* progress);
 
   std::unique_ptr<Internals> Private;
 

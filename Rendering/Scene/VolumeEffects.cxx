@@ -3,6 +3,7 @@
 #include "SceneConversion.h"
 
 #include "Field/Field.h"
+#include "Geometry/Image.h"
 
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
@@ -138,6 +139,23 @@ std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* propert
     entry = std::clamp(std::isnan(entry) ? 0.f : entry, 0.f, 1.f);
   }
   return result;
+}
+
+void applyColorWindow(double window, double level, Image& image)
+{
+  if (window == 1. && level == 0.5)
+  {
+    return;
+  }
+  const auto scale = static_cast<float>(1. / window);
+  const auto bias = static_cast<float>(0.5 - level / window);
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      image.rgba[i + c] = std::clamp(scale * image.rgba[i + c] + bias * image.rgba[i + 3], 0.f, 1.f);
+    }
+  }
 }
 
 VolumeSettings convertVolumeEffects(

@@ -16,6 +16,7 @@ namespace treeamr
 {
 
 class Field;
+struct Image;
 
 /// VTK's blend modes of values; composite for all others.
 VolumeBlend convertBlendMode(int mode);
@@ -32,7 +33,11 @@ bool hasGradientOpacity(vtkVolumeProperty* property);
 /// spacing: up to a quarter of the field's range, and constant beyond, as VTK's tables.
 std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* property, const Field& field);
 
-/// All of these.
+/// As VTK's mappers take the final colours of an image, premultiplied, from a window and level (a window of 1 about 0.5
+/// changes nothing).
+void applyColorWindow(double window, double level, Image& image);
+
+/// All of these but the last.
 VolumeSettings convertVolumeEffects(
   vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field);
 

@@ -63,11 +63,12 @@ std::shared_ptr<const Field> acquireField(vtkHyperTreeGrid* grid, const ArraySel
 }
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut)
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut,
+  Progress* progress)
 {
   original<decltype(&traceAmbientOcclusion)>(
     "_ZN7treeamr21traceAmbientOcclusionERKNS_10IsosurfaceERKNS_6CameraERKNS_8HitImageEdiiRSt6vectorItSaItEE"
-    "RKNS_7DataCutE")(surface, camera, hits, radius, first, end, open, cut);
+    "RKNS_7DataCutEPNS_8ProgressE")(surface, camera, hits, radius, first, end, open, cut, progress);
   if (isShort())
   {
     throw std::bad_alloc(); // after having added what it found

@@ -71,6 +71,12 @@ TEST_F(MapperSettingsTest, shallowCopies)
   volumeMapper_->SetVectorMode(vtkTreeAMRVolumeMapper::COMPONENT);
   volumeMapper_->SetVectorComponent(2);
   volumeMapper_->SetSamplesPerCell(5.);
+  volumeMapper_->SetSampleDistance(0.3);
+  volumeMapper_->LockSampleDistanceToInputSpacingOn();
+  volumeMapper_->UseJitteringOn();
+  volumeMapper_->SetFinalColorWindow(0.9);
+  volumeMapper_->SetFinalColorLevel(0.4);
+  volumeMapper_->ReportProgressOff();
   volumeMapper_->SetVertexCacheSize(77);
   volumeMapper_->SkipEmptySpaceOff();
   volumeMapper_->AutoAdjustSampleDistancesOff();
@@ -171,6 +177,7 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
   EXPECT_TRUE(messages.warnings.empty());
   const std::vector<std::pair<std::string, std::function<void()>>> settings{
     { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
+    { "UseJittering", [&] { volumeMapper_->UseJitteringOn(); } },
     { "TransferFunctionMode", [&] { property->SetTransferFunctionModeTo2D(); } },
     { "IndependentComponents", [&] { property->IndependentComponentsOff(); } },
     { "SetColor(1, ...)", [&] { property->SetColor(1, colors); } },

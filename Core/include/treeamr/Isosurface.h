@@ -14,6 +14,7 @@
 #pragma once
 
 #include "Geometry/Camera.h"
+#include "Progress.h"
 #include "Surface/Isosurface.h"
 #include "Surface/Shading.h"
 #include "Surface/SurfaceFrame.h"

@@ -19,4 +19,5 @@
 #include "Geometry/Camera.h"
 #include "Geometry/Image.h"
 #include "Geometry/RayStops.h"
+#include "Progress.h"
 #include "Volume/Volume.h"
