@@ -63,12 +63,20 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_RUN_PACKAGE_NAME treeamr)
 set(CPACK_DEBIAN_RUN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_RUN_PACKAGE_DEPENDS "paraview, python3-paraview, python3-numpy")
-set(CPACK_DEBIAN_RUN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_RUN_PACKAGE_DEPENDS "python3, paraview, python3-paraview, python3-numpy")
+# CPack's own list of shared libraries has Python's modules, too, and it has no trigger.
+set(libraries)
+foreach (library IN ITEMS TreeAMRCore vtkTreeAMRReader vtkTreeAMRRendering vtkTreeAMRRepresentations)
+  string(APPEND libraries "lib${library} ${TREEAMR_SOVERSION} treeamr (>= ${TREEAMR_SOVERSION})\n")
+endforeach ()
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/shlibs" "${libraries}")
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/triggers" "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_RUN_PACKAGE_CONTROL_EXTRA
+  "${CMAKE_BINARY_DIR}/CMakeFiles/shlibs;${CMAKE_BINARY_DIR}/CMakeFiles/triggers")
 set(CPACK_DEBIAN_RUN_DESCRIPTION
 "ray tracing of octree AMR data in ParaView
-Volumes and implicit isosurfaces of cell-centred data on octrees (p4est, deal.II,
-hyper tree grids) as ParaView representations, readers, filters and a Python package.")
+Volumes and implicit isosurfaces of data on octrees (p4est, deal.II, hyper tree
+grids) as representations, readers, filters and a Python package.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME treeamr-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
