@@ -200,8 +200,8 @@ std::uint32_t BlockIntersection::intersect(
 
 void BlockIntersection::takeBlocks(RayTile& tile) const
 {
-  constexpr std::size_t ahead = 3; // so many blocks that their values are in the cache in time
-  constexpr int packet = PixelRays::most;
+  // So many blocks that their values are in the cache in time.
+  constexpr std::size_t ahead = 3;
   std::vector<std::uint64_t>& order = tile.order; // depth << 32 | number of the block among the tile's
   order.clear();
   for (std::size_t i = 0; i < tile.blocks.size(); ++i)
@@ -216,31 +216,23 @@ void BlockIntersection::takeBlocks(RayTile& tile) const
     if (i + 2 * ahead < order.size())
     {
       blocks_.prefetchBlock(blockAt(i + 2 * ahead).block);
+      gradients_.prefetch(blockAt(i + 2 * ahead).block);
     }
     if (i + ahead < order.size())
     {
       blocks_.prefetch(blockAt(i + ahead).block);
-      gradients_.prefetch(blockAt(i + ahead).block);
+      gradients_.prefetchReady(blockAt(i + ahead).block);
     }
     const MetBlock met = blockAt(i);
     const CrossedBlock block(space_, blocks_.all()[met.block], met.block);
-    const auto takeEntries = [&] {
-      this->enter(tile, block, entries);
-      entries.count = 0;
-    };
-    for (std::uint32_t packets = met.packets; packets != 0; packets &= packets - 1)
+    for (std::uint32_t packets = met.packets; packets != 0;)
     {
-      if (!entries.hasRoom())
+      packets = enterBlockByPackets(block, tile.rays, tile.count, packets, entries);
+      if (entries.count != 0)
       {
-        takeEntries();
+        this->enter(tile, block, entries);
+        entries.count = 0;
       }
-      const int first = packet * std::countr_zero(packets);
-      const int rays = std::min(packet, tile.count - first);
-      enterBlock(block, tile.rays, first, (1u << rays) - 1, entries);
-    }
-    if (entries.count != 0)
-    {
-      takeEntries();
     }
   }
   tile.blocks.clear();
@@ -255,22 +247,17 @@ void BlockIntersection::enter(RayTile& tile, const CrossedBlock& place, const Bl
     blocks_.isKept(block.number); // else it may be by another thread now, but not this record
   block.record = &blocks_.record(block.number);
   ++candidates.blockCount;
-  const int before = candidates.count;
   this->cross(tile, entries);
-  const bool all = tile.hits[entries.ray[0]].all;
-  if (all && tile.places.withNormals)
-  {
-    for (int i = before; i < candidates.count; ++i)
-    {
-      gradients_.prefetch(block.number, candidates.octant(i));
-    }
-  }
   candidates.dropEmptyBlock();
   // Those of all layers wait until there are many, unless the next block takes the place of the values.
-  if (!all || candidates.count >= OctantCandidates::enough || !wasKept)
+  if (!tile.hits[entries.ray[0]].all || candidates.count >= OctantCandidates::enough || !wasKept)
   {
     takeCandidates(tile);
     candidates.blockCount = 0;
+  }
+  if (!wasKept)
+  {
+    takePlaces(tile);
   }
 }
 
@@ -298,18 +285,21 @@ void BlockIntersection::takeCandidates(RayTile& tile) const
     return;
   }
   const CandidateRoots& roots = tile.roots;
-  const bool firstOnly = !tile.hits[candidates.ray(0)].all && tile.parts.empty();
+  const bool all = tile.hits[candidates.ray(0)].all;
+  const bool firstOnly = !all && tile.parts.empty();
   findRoots(candidates, firstOnly, tile.roots);
-  if (tile.hits[candidates.ray(0)].all && tile.places.withNormals)
+  for (int i = 0; i < roots.count;)
   {
-    prepareGradients(candidates, roots);
-  }
-  for (int i = 0; i < roots.count; ++i)
-  {
+    if (all)
+    {
+      i = takeLayers(tile, i);
+      continue;
+    }
     if (!candidates.block(roots.candidate[i]).record->isMixed())
     {
       takeRoot(tile, roots.candidate[i], roots.s[i], roots.t[i]);
     }
+    ++i;
   }
   for (int i = 0; i < candidates.count; ++i)
   {
@@ -321,16 +311,65 @@ void BlockIntersection::takeCandidates(RayTile& tile) const
         block.planes, ray.ray, candidates.octant(i), candidates.t0[i], candidates.t1[i]);
       visitMixed(block, blocks_.rounding(), ray, blocks_.isovalues()[candidates.isovalue(i)],
         candidates.along(i), crossing, [&](double s) {
-          takeRoot(tile, i, s, crossing.t0 + s * (crossing.t1 - crossing.t0));
+          const double t = crossing.t0 + s * (crossing.t1 - crossing.t0);
+          if (all)
+          {
+            withGradients(tile, block, std::uint64_t(1) << crossing.octant,
+              [&](const GradientRecord* gradients) { takeLayer(tile, i, s, t, gradients); });
+          }
+          else
+          {
+            takeRoot(tile, i, s, t);
+          }
           return firstOnly;
         });
     }
   }
-  takePlaces(tile); // before the values are gone
   candidates.count = 0;
 }
 
 void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double t) const
+{
+  const OctantCandidates& candidates = tile.candidates;
+  const int number = candidates.ray(candidate);
+  RayHits& hits = tile.hits[number];
+  const CrossedBlock& block = candidates.block(candidate);
+  if (hits.shows(t) && hits.isNearer(t, block.number))
+  {
+    hits.nearest.t = t;
+    hits.nearest.surface = candidates.isovalue(candidate);
+    hits.nearest.block = block.number;
+    hits.nearest.octant = candidates.octant(candidate);
+    hits.place = candidates.place(candidate, s);
+    tile.rays.limit[number] = t;
+  }
+}
+
+int BlockIntersection::takeLayers(RayTile& tile, int i) const
+{
+  const OctantCandidates& candidates = tile.candidates;
+  const CandidateRoots& roots = tile.roots;
+  const CrossedBlock& block = candidates.block(roots.candidate[i]);
+  int end = i;
+  std::uint64_t octants = 0;
+  for (; end < roots.count && &candidates.block(roots.candidate[end]) == &block; ++end)
+  {
+    octants |= std::uint64_t(1) << candidates.octant(roots.candidate[end]);
+  }
+  if (!block.record->isMixed())
+  {
+    withGradients(tile, block, octants, [&](const GradientRecord* gradients) {
+      for (; i < end; ++i)
+      {
+        takeLayer(tile, roots.candidate[i], roots.s[i], roots.t[i], gradients);
+      }
+    });
+  }
+  return end;
+}
+
+void BlockIntersection::takeLayer(
+  RayTile& tile, int candidate, double s, double t, const GradientRecord* gradients) const
 {
   const OctantCandidates& candidates = tile.candidates;
   const int number = candidates.ray(candidate);
@@ -340,41 +379,76 @@ void BlockIntersection::takeRoot(RayTile& tile, int candidate, double s, double 
     return;
   }
   const CrossedBlock& block = candidates.block(candidate);
-  const std::uint8_t octant = candidates.octant(candidate);
-  // In its place: a copy would wait until it has been written.
-  const auto setHit = [&](SurfaceHit& hit) {
-    hit.t = t;
-    hit.surface = candidates.isovalue(candidate);
-    hit.block = block.number;
-    hit.octant = octant;
-  };
-  if (hits.all)
+  SurfaceHit& hit = hits.add(t);
+  hit.t = t;
+  hit.surface = candidates.isovalue(candidate);
+  hit.block = block.number;
+  hit.octant = candidates.octant(candidate);
+  addPlace(tile, number, tile.found.size() - 1, block, gradients, hit.octant, candidates.place(candidate, s));
+  if (hits.all->size() >= hits.most)
   {
-    setHit(hits.add(t));
-    addPlace(tile, number, block, octant, candidates.place(candidate, s));
-  }
-  else if (hits.isNearer(t, block.number))
-  {
-    setHit(hits.nearest);
-    hits.place = candidates.place(candidate, s);
-    tile.rays.limit[number] = t;
+    sort(tile.rays.directionOf(number), hits);
+    if (hits.all->size() == hits.most)
+    {
+      tile.rays.limit[number] = hits.all->back().t;
+    }
   }
 }
 
-void BlockIntersection::addPlace(
-  RayTile& tile, int ray, const CrossedBlock& block, int octant, const Vec3& place) const
+template <class Take>
+void BlockIntersection::withGradients(
+  RayTile& tile, const CrossedBlock& block, std::uint64_t octants, const Take& take) const
+{
+  if (!tile.places.withNormals)
+  {
+    take(nullptr);
+    return;
+  }
+  const bool wasKept = gradients_.isKept(block.number); // else the next ones may take their place
+  // Of all layers rays see most octants of a block, sooner or later.
+  if (gradients_.lacks(block.number, std::countr_zero(octants)))
+  {
+    octants = block.record->active;
+  }
+  take(&gradients_.record(block.number, *block.record, octants));
+  if (!wasKept)
+  {
+    takePlaces(tile);
+  }
+}
+
+void BlockIntersection::addPlace(RayTile& tile, int ray, std::size_t hit, const CrossedBlock& block,
+  const GradientRecord* gradients, int octant, const Vec3& place) const
 {
   HitPlaces& places = tile.places;
-  const GradientRecord* gradients = nullptr;
-  bool wasKept = true; // else the next ones may take their place
-  if (places.withNormals)
+  if (gradients)
   {
-    wasKept = gradients_.isKept(block.number);
-    gradients = &gradients_.record(block.number, *block.record, std::uint64_t(1) << octant);
+    gradients->prefetch(octant);
   }
-  tile.placed[places.count] = { ray, tile.hits[ray].all ? tile.found.size() - 1 : 0 };
+  tile.placed[places.count].ray = ray;
+  tile.placed[places.count].hit = hit;
   places.add(block, gradients, octant, place);
-  if (places.count == HitPlaces::most || !wasKept)
+  if (places.count == HitPlaces::most)
+  {
+    takePlaces(tile);
+  }
+}
+
+void BlockIntersection::addNearest(RayTile& tile, int ray) const
+{
+  const RayHits& hits = tile.hits[ray];
+  const SurfaceHit& hit = hits.nearest;
+  // Else the next values and gradients may take their place.
+  bool wasKept = blocks_.isKept(hit.block);
+  const CrossedBlock block = opened(hit.block);
+  const GradientRecord* gradients = nullptr;
+  if (tile.places.withNormals)
+  {
+    wasKept = wasKept && gradients_.isKept(hit.block);
+    gradients = &gradients_.record(hit.block, *block.record, std::uint64_t(1) << hit.octant);
+  }
+  addPlace(tile, ray, 0, block, gradients, hit.octant, hits.place);
+  if (!wasKept)
   {
     takePlaces(tile);
   }
@@ -394,24 +468,23 @@ void BlockIntersection::takePlaces(RayTile& tile) const
       hit.normal[a] = static_cast<float>(places.normal[a][i]);
     }
   }
-  for (int i = 0; i < places.count; ++i)
-  {
-    const int number = tile.placed[i].ray;
-    RayHits& hits = tile.hits[number];
-    if (hits.all && hits.all->size() >= hits.most)
-    {
-      sort(tile.rays.directionOf(number), hits);
-      if (hits.all->size() == hits.most)
-      {
-        tile.rays.limit[number] = hits.all->back().t;
-      }
-    }
-  }
   places.count = 0;
 }
 
 void BlockIntersection::prepareGradients(const RayTile& tile) const
 {
+  // One step at a time for all rays: each waits for memory.
+  const auto forHits = [&](const auto& body) {
+    for (int number = 0; number < tile.count; ++number)
+    {
+      if (tile.hits[number].any())
+      {
+        body(tile.hits[number].nearest.block);
+      }
+    }
+  };
+  forHits([&](std::uint32_t block) { gradients_.prefetch(block); });
+  forHits([&](std::uint32_t block) { gradients_.prefetchReady(block); });
   std::array<const SurfaceHit*, RayTile::most> hits; // whose gradients are missing
   int count = 0;
   for (int number = 0; number < tile.count; ++number)
@@ -436,26 +509,6 @@ void BlockIntersection::prepareGradients(const RayTile& tile) const
   }
 }
 
-void BlockIntersection::prepareGradients(
-  const OctantCandidates& candidates, const CandidateRoots& roots) const
-{
-  for (int i = 0; i < roots.count;)
-  {
-    const CrossedBlock& block = candidates.block(roots.candidate[i]);
-    std::uint64_t octants = 0;
-    for (; i < roots.count && &candidates.block(roots.candidate[i]) == &block; ++i)
-    {
-      octants |= std::uint64_t(1) << candidates.octant(roots.candidate[i]);
-    }
-    // Of all layers rays see most octants of a block, sooner or later.
-    if (gradients_.lacks(block.number, std::countr_zero(octants)))
-    {
-      octants = block.record->active;
-    }
-    gradients_.record(block.number, *block.record, octants);
-  }
-}
-
 void BlockIntersection::finish(RayTile& tile) const
 {
   takeBlocks(tile);
@@ -474,12 +527,7 @@ void BlockIntersection::finish(RayTile& tile) const
     }
     else if (hits.any())
     {
-      const bool wasKept = blocks_.isKept(hits.nearest.block);
-      addPlace(tile, number, opened(hits.nearest.block), hits.nearest.octant, hits.place);
-      if (!wasKept)
-      {
-        takePlaces(tile); // before the next values take the place of these
-      }
+      addNearest(tile, number);
     }
   }
   takePlaces(tile);

@@ -48,7 +48,8 @@ struct RayHits
   /// Of all hits the next one that is found.
   SurfaceHit& add(double t) const
   {
-    all->push_back({ t, static_cast<std::uint32_t>(found->size()) });
+    // In its place: a copy would wait until both members have been written.
+    all->emplace_back(t, static_cast<std::uint32_t>(found->size()));
     return found->emplace_back();
   }
   /// Whether one is nearer than the nearest. Of equal hits of neighbours the first block's counts, whatever the order
@@ -193,12 +194,19 @@ private:
   /// Finds the roots of the candidates that there are.
   void takeCandidates(RayTile& tile) const;
   void takeRoot(RayTile& tile, int candidate, double s, double t) const;
-  /// Of the ray's last hit, or its nearest.
-  void addPlace(RayTile& tile, int ray, const CrossedBlock& block, int octant, const Vec3& place) const;
+  /// Takes the roots from the i-th on that are in one block, of rays that want all hits; returns the end of these.
+  int takeLayers(RayTile& tile, int i) const;
+  void takeLayer(RayTile& tile, int candidate, double s, double t, const GradientRecord* gradients) const;
+  /// Calls take(gradients of a block with some octants, null without normals), for places of theirs that it adds.
+  template <class Take>
+  void withGradients(RayTile& tile, const CrossedBlock& block, std::uint64_t octants, const Take& take) const;
+  /// Where a ray's nearest hit is, or the one of the tile's layers that is given.
+  void addPlace(RayTile& tile, int ray, std::size_t hit, const CrossedBlock& block,
+    const GradientRecord* gradients, int octant, const Vec3& place) const;
+  /// That of a ray's nearest hit.
+  void addNearest(RayTile& tile, int ray) const;
   /// Of the nearest hits, block by block.
   void prepareGradients(const RayTile& tile) const;
-  /// Of all roots, block by block.
-  void prepareGradients(const OctantCandidates& candidates, const CandidateRoots& roots) const;
   /// Gives the hits at the places that there are their gradients and normals.
   void takePlaces(RayTile& tile) const;
 

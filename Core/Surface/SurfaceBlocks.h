@@ -90,13 +90,16 @@ struct alignas(64) SurfaceRecord
   /// Whether some octant's values differ so little beside the width that the tolerance is too wide for it.
   bool isMixed() const noexcept { return signedWidth < 0.; }
 
-  /// Announces that it will be read.
-  void prefetch() const noexcept
+  /// Announces that it will be read, of the values those in some layers of octants along z.
+  void prefetch(int firstLayer = 0, int endLayer = 4) const noexcept
   {
-    for (std::size_t i = 0; i < values.size(); i += 64 / sizeof(values[0]))
+    constexpr int line = 64 / sizeof(values[0]);
+    const int end = 25 * (endLayer + 1);
+    for (int i = 25 * firstLayer / line * line; i < end; i += line)
     {
       treeamr::prefetch(values.data() + i);
     }
+    treeamr::prefetch(&active);
   }
 };
 
@@ -142,10 +145,11 @@ public:
   /// Announces that the values of a block, when they are kept, will be read.
   void prefetch(std::uint32_t block) const noexcept
   {
-    const std::uint32_t number = std::atomic_ref(blocks_[block].record_).load(std::memory_order_acquire);
+    const SurfaceBlock& place = blocks_[block];
+    const std::uint32_t number = std::atomic_ref(place.record_).load(std::memory_order_acquire);
     if (number != 0)
     {
-      pool_.chunkOf(number).records[number % Chunk::size].prefetch();
+      pool_.chunkOf(number).records[number % Chunk::size].prefetch(place.firstActive(2), place.endActive(2));
     }
   }
 

@@ -65,12 +65,11 @@ public:
       treeamr::prefetch(&numbers_[block]);
     }
   }
-  /// Announces that those of an octant will be read.
-  void prefetch(std::uint32_t block, int octant) const noexcept
+  /// Announces that it will be looked at which of a block's octants are ready.
+  void prefetchReady(std::uint32_t block) const noexcept
   {
     if (const GradientRecord* kept = this->find(block))
     {
-      kept->prefetch(octant);
       treeamr::prefetch(&kept->octants);
     }
   }

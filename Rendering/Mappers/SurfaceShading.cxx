@@ -100,17 +100,107 @@ void arrangePoints(const HitImage& hits, const Camera& camera, vtkTreeAMRSurface
   arrangeTiles(camera, image);
 }
 
-/// Calls body(pixel, walk through its layers, started) for all pixels.
-template <class Body>
-void forEachPixel(std::span<const SurfaceShader> shaders, std::size_t pixels, const Body& body)
+/// Layers whose colours are found many at a time.
+class LayerLights
+{
+public:
+  explicit LayerLights(std::span<const SurfaceShader> shaders)
+    : shaders_(shaders)
+    , hits_(shaders.size())
+  {
+  }
+
+  bool isFull() const noexcept { return layers_.size() == HitsToLight::most; }
+  /// Adds the layer that a walk is at, whose place is `target`; the part `passes` of the light comes from there to the
+  /// eye. Returns its opacity. Not when it is full.
+  float add(const LayerWalk& walk, std::size_t target, float passes)
+  {
+    // In its place: a copy would wait until all of it has been written.
+    Layer& layer = layers_.emplace_back();
+    layer.source = walk.source();
+    layer.hit = walk.hit();
+    layer.target = target;
+    layer.passes = passes;
+    const SurfaceShader& shader = walk.shader();
+    if (shader.lightsTogether())
+    {
+      layer.slot = hits_[layer.source].count;
+      layer.rgba[3] = shader.add(layer.hit, walk.sight(), hits_[layer.source]);
+    }
+    else
+    {
+      layer.slot = -1;
+      layer.rgba = shader(layer.hit, walk.sight());
+    }
+    return layer.rgba[3];
+  }
+  /// Calls take(target, passes, colour) for all that were added, in their order.
+  template <class Take>
+  void take(const Take& take)
+  {
+    for (std::size_t s = 0; s < shaders_.size(); ++s)
+    {
+      shaders_[s].light(hits_[s]);
+    }
+    for (Layer& layer : layers_)
+    {
+      if (layer.slot >= 0)
+      {
+        const auto& rgb = hits_[layer.source].rgb;
+        layer.rgba = shaders_[layer.source].lit(
+          layer.hit, { rgb[0][layer.slot], rgb[1][layer.slot], rgb[2][layer.slot] }, layer.rgba[3]);
+      }
+      take(layer.target, layer.passes, layer.rgba);
+    }
+    layers_.clear();
+    for (HitsToLight& hits : hits_)
+    {
+      hits.count = 0;
+    }
+  }
+
+private:
+  struct Layer
+  {
+    std::size_t source;
+    std::size_t hit;
+    std::size_t target;
+    int slot; // of the hits to be lit; -1: its colour is known
+    float passes;
+    std::array<float, 4> rgba;
+  };
+  std::span<const SurfaceShader> shaders_;
+  std::vector<HitsToLight> hits_; // by shader
+  std::vector<Layer> layers_;
+};
+
+/// Calls body(pixel, walk through its layers, started, add) for all pixels. add(target, passes) is for the layer that the
+/// walk is at, and returns its opacity; take(target, passes, colour) is called for these in their order, later on, and
+/// end(pixel) for pixels of which all were taken.
+template <class Body, class Take, class End>
+void forEachPixel(std::span<const SurfaceShader> shaders, std::size_t pixels, const Body& body,
+  const Take& take, const End& end)
 {
   constexpr std::size_t perTask = 1024;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels, perTask), [&](const auto& range) {
     LayerWalk walk(shaders);
+    LayerLights lights(shaders);
+    const auto add = [&](std::size_t target, float passes) {
+      if (lights.isFull())
+      {
+        lights.take(take);
+      }
+      return lights.add(walk, target, passes);
+    };
     for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
     {
       walk.start(pixel);
-      body(pixel, walk);
+      body(pixel, walk, add);
+    }
+    lights.take(take);
+    for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
+    {
+      end(pixel);
     }
   });
 }
@@ -118,29 +208,36 @@ void forEachPixel(std::span<const SurfaceShader> shaders, std::size_t pixels, co
 /// Less light than 8 bits can show.
 constexpr float noLight = 1.f / 1024.f;
 
-/// Premultiplied: the layers before a window depth, down to the last that 8 bits could show. Calls atNearest() at the
-/// first of them.
-template <class AtNearest>
-std::array<float, 4> blend(LayerWalk& walk, float depth, const AtNearest& atNearest)
+/// Blends the layers before the window depths of their pixels, down to the last that 8 bits could show, into
+/// premultiplied rgba. Calls atNearest(pixel, walk) at the first of each, and end(pixel) for all.
+template <class AtNearest, class End>
+void blendLayers(std::span<const SurfaceShader> shaders, std::span<const float> depth, float* rgba,
+  const AtNearest& atNearest, const End& end)
 {
-  std::array<float, 4> sum{};
-  float passes = 1.f;
-  for (bool isNearest = true; passes > noLight && walk.next() && static_cast<float>(walk.depth()) <= depth;
-       isNearest = false)
-  {
-    if (isNearest)
-    {
-      atNearest();
-    }
-    const std::array<float, 4> rgba = walk.rgba();
-    for (int c = 0; c < 3; ++c)
-    {
-      sum[c] += passes * rgba[3] * rgba[c];
-    }
-    passes *= 1.f - rgba[3];
-  }
-  sum[3] = 1.f - passes;
-  return sum;
+  forEachPixel(
+    shaders, depth.size(),
+    [&](std::size_t pixel, LayerWalk& walk, const auto& add) {
+      std::fill_n(&rgba[4 * pixel], 3, 0.f);
+      float passes = 1.f;
+      for (bool isNearest = true;
+           passes > noLight && walk.next() && static_cast<float>(walk.depth()) <= depth[pixel];
+           isNearest = false)
+      {
+        if (isNearest)
+        {
+          atNearest(pixel, walk);
+        }
+        passes *= 1.f - add(pixel, passes);
+      }
+      rgba[4 * pixel + 3] = 1.f - passes;
+    },
+    [&](std::size_t pixel, float passes, const std::array<float, 4>& layer) {
+      for (int c = 0; c < 3; ++c)
+      {
+        rgba[4 * pixel + c] += passes * layer[3] * layer[c];
+      }
+    },
+    end);
 }
 
 } // namespace
@@ -207,17 +304,12 @@ SurfaceMaterial SurfaceShader::materialOf(std::size_t i) const noexcept
   return own;
 }
 
-std::array<float, 4> SurfaceShader::openTo(
-  std::size_t i, std::array<float, 3> rgb, float opacity) const noexcept
+std::array<float, 4> SurfaceShader::lit(
+  std::size_t i, const std::array<float, 3>& rgb, float opacity) const noexcept
 {
-  if (!visibility_->open.empty())
-  {
-    for (float& channel : rgb)
-    {
-      channel *= 1.f - opacity * (1.f - visibility_->open[i]);
-    }
-  }
-  return { rgb[0], rgb[1], rgb[2], opacity };
+  // What of the colour reaches the eye out of narrow places.
+  const float open = visibility_->open.empty() ? 1.f : 1.f - opacity * (1.f - visibility_->open[i]);
+  return { rgb[0] * open, rgb[1] * open, rgb[2] * open, opacity };
 }
 
 std::array<float, 4> SurfaceShader::operator()(std::size_t i, const Sight& sight) const noexcept
@@ -229,44 +321,30 @@ std::array<float, 4> SurfaceShader::operator()(std::size_t i, const Sight& sight
                                        : frame_.shadingNormal(hit.gradient, hit.normal, sight.toEye);
   // VTK's highlights are those of an eye at the view's origin, in parallel and stereo projection, too.
   const Vec3 toEye = shines(material) ? normalized({ -point[0], -point[1], -point[2] }) : Vec3{};
-  return openTo(i,
+  return lit(i,
     shade(material, appearance_.lights, point, normal, toEye,
       visibility_->lit.empty() ? nullptr : &visibility_->lit[appearance_.lights.size() * i], opacity),
     opacity);
 }
 
-void SurfaceShader::operator()(
-  std::size_t first, const Sight& sight, std::span<std::array<float, 4>> colors) const noexcept
+float SurfaceShader::add(std::size_t i, const Sight& sight, HitsToLight& hits) const noexcept
 {
-  if (!lightsTogether_ || colors.size() < 2)
+  const SurfaceHit& hit = hits_->hits[i];
+  if (colors_)
   {
-    for (std::size_t k = 0; k < colors.size(); ++k)
-    {
-      colors[k] = (*this)(first + k, sight);
-    }
-    return;
+    const auto [material, opacity] = materialOf(i);
+    hits.add(sight.toEye, hit, material.ambient, material.diffuse);
+    return opacity;
   }
-  HitsToLight lit;
-  std::array<float, HitsToLight::most> opacities;
-  for (; lit.count < static_cast<int>(colors.size()); ++lit.count)
-  {
-    const int k = lit.count;
-    const SurfaceHit& hit = hits_->hits[first + k];
-    const auto [material, opacity] = materialOf(first + k);
-    opacities[k] = opacity;
-    for (int a = 0; a < 3; ++a)
-    {
-      lit.gradient[a][k] = hit.gradient[a];
-      lit.normal[a][k] = hit.normal[a];
-      lit.ambient[a][k] = material.ambient[a];
-      lit.diffuse[a][k] = material.diffuse[a];
-    }
-  }
-  lightHits(frame_, appearance_.lights, appearance_.flat, sight.toEye, lit);
-  for (int k = 0; k < lit.count; ++k)
-  {
-    colors[k] = openTo(first + k, { lit.rgb[0][k], lit.rgb[1][k], lit.rgb[2][k] }, opacities[k]);
-  }
+  const bool isAlike = appearance_.surfaces.empty();
+  const Material& material = isAlike ? appearance_.material : appearance_.surfaces[hit.surface].material;
+  hits.add(sight.toEye, hit, material.ambient, material.diffuse);
+  return isAlike ? appearance_.opacity : appearance_.surfaces[hit.surface].opacity;
+}
+
+void SurfaceShader::light(HitsToLight& hits) const noexcept
+{
+  lightHits(frame_, appearance_.lights, appearance_.flat, hits);
 }
 
 std::array<float, 2> SurfaceShader::depthSlope(std::size_t i, const Sight& sight) const noexcept
@@ -302,7 +380,6 @@ void LayerWalk::start(std::size_t pixel)
     const HitImage& hits = source.shader->hits();
     source.hit = hits.first[pixel];
     source.end = hits.first[pixel + 1];
-    source.endOfColors = source.hit;
     if (source.hit != source.end)
     {
       source.sight = source.shader->sight(pixel);
@@ -339,19 +416,6 @@ double LayerWalk::t(const Camera& camera, const Ray& ray) const noexcept
   const Source& source = sources_[current_];
   const bool isSame = source.sight.ray.origin == ray.origin && source.sight.ray.direction == ray.direction;
   return isSame ? source.shader->hits().hits[source.hit].t : camera.tFromDepth(ray, source.depth);
-}
-
-std::array<float, 4> LayerWalk::rgba() noexcept
-{
-  Source& source = sources_[current_];
-  if (source.hit >= source.endOfColors)
-  {
-    const std::size_t count = std::min(source.colors.size(), source.end - source.hit);
-    (*source.shader)(source.hit, source.sight, std::span(source.colors).first(count));
-    source.beginOfColors = source.hit;
-    source.endOfColors = source.hit + count;
-  }
-  return source.colors[source.hit - source.beginOfColors];
 }
 
 std::array<float, 2> LayerWalk::depthSlope() const noexcept
@@ -394,35 +458,34 @@ void flattenLayers(std::span<const SurfaceShader> shaders, std::span<const float
   image.RGBA.resize(4 * image.Depth.size());
   image.Slope.resize(withSlope ? 2 * image.Depth.size() : 0);
   image.Runs.resize(3 * pixels);
-  forEachPixel(shaders, pixels, [&](std::size_t pixel, LayerWalk& walk) {
-    const auto atNearest = [&] {
+  blendLayers(
+    shaders, depth, image.RGBA.data(),
+    [&](std::size_t pixel, const LayerWalk& walk) {
       image.Depth[pixel] = static_cast<float>(walk.depth());
       if (withSlope)
       {
         const std::array<float, 2> slope = walk.depthSlope();
         std::copy(slope.begin(), slope.end(), &image.Slope[2 * pixel]);
       }
-    };
-    const std::array<float, 4> blended = blend(walk, depth[pixel], atNearest);
-    const float alpha = blended[3];
-    for (int c = 0; c < 3; ++c)
-    {
-      image.RGBA[4 * pixel + c] = alpha > 0.f ? blended[c] / alpha : 0.f;
-    }
-    image.RGBA[4 * pixel + 3] = alpha;
-    image.Runs[3 * pixel] = static_cast<float>(pixel % columns);
-    image.Runs[3 * pixel + 1] = static_cast<float>(pixel / columns);
-    image.Runs[3 * pixel + 2] = alpha > 0.f ? 1.f : 0.f;
-  });
+    },
+    [&](std::size_t pixel) {
+      const float alpha = image.RGBA[4 * pixel + 3];
+      for (int c = 0; c < 3; ++c)
+      {
+        float& channel = image.RGBA[4 * pixel + c];
+        channel = alpha > 0.f ? channel / alpha : 0.f;
+      }
+      image.Runs[3 * pixel] = static_cast<float>(pixel % columns);
+      image.Runs[3 * pixel + 1] = static_cast<float>(pixel / columns);
+      image.Runs[3 * pixel + 2] = alpha > 0.f ? 1.f : 0.f;
+    });
   arrangeTiles(shaders.front().camera(), image);
 }
 
 void flattenLayers(std::span<const SurfaceShader> shaders, std::span<const float> depth, Image& image)
 {
-  forEachPixel(shaders, depth.size(), [&](std::size_t pixel, LayerWalk& walk) {
-    const std::array<float, 4> blended = blend(walk, depth[pixel], [] {});
-    std::copy(blended.begin(), blended.end(), &image.rgba[4 * pixel]);
-  });
+  blendLayers(
+    shaders, depth, image.rgba.data(), [](std::size_t, const LayerWalk&) {}, [](std::size_t) {});
 }
 
 void collectLayers(std::span<const SurfaceShader> shaders, const Camera& camera, std::span<const float> depth,
@@ -440,7 +503,7 @@ void collectLayers(std::span<const SurfaceShader> shaders, const Camera& camera,
     }
   }
   layers.layers.resize(layers.first.back());
-  forEachPixel(shaders, pixels, [&](std::size_t pixel, LayerWalk& walk) {
+  const auto collect = [&](std::size_t pixel, LayerWalk& walk, const auto& add) {
     std::size_t i = layers.first[pixel];
     const std::size_t end = layers.first[pixel + 1];
     if (i == end)
@@ -451,15 +514,19 @@ void collectLayers(std::span<const SurfaceShader> shaders, const Camera& camera,
     float passes = 1.f;
     while (passes > noLight && walk.next() && (depth.empty() || walk.depth() <= depth[pixel] + slack))
     {
-      layers.layers[i] = { walk.t(camera, ray), walk.rgba() };
-      passes *= 1.f - layers.layers[i].rgba[3];
+      layers.layers[i].t = walk.t(camera, ray);
+      passes *= 1.f - add(i, passes);
       ++i;
     }
     for (; i < end; ++i)
     {
       layers.layers[i] = { std::numeric_limits<double>::infinity(), {} };
     }
-  });
+  };
+  forEachPixel(
+    shaders, pixels, collect,
+    [&](std::size_t i, float, const std::array<float, 4>& rgba) { layers.layers[i].rgba = rgba; },
+    [](std::size_t) {});
 }
 
 void fillHits(

@@ -76,17 +76,18 @@ public:
   Sight sight(std::size_t pixel) const noexcept;
   /// Colour, not premultiplied, and opacity of a hit of the pixel that the sight is of.
   std::array<float, 4> operator()(std::size_t hit, const Sight& sight) const noexcept;
-  /// Of some such hits from one on, as many as the colours: as fast as few of them.
-  void operator()(
-    std::size_t firstHit, const Sight& sight, std::span<std::array<float, 4>> colors) const noexcept;
+  /// The same in three steps, for many hits at once, where lightsTogether(): adds a hit, and returns its opacity; lights
+  /// all; what comes of the one that got this colour.
+  bool lightsTogether() const noexcept { return lightsTogether_; }
+  float add(std::size_t hit, const Sight& sight, HitsToLight& hits) const noexcept;
+  void light(HitsToLight& hits) const noexcept;
+  std::array<float, 4> lit(std::size_t hit, const std::array<float, 3>& rgb, float opacity) const noexcept;
   /// The change of the window depth of its tangent plane over the whole image, along x and y; less, where that
   /// would leave the surface within a pixel.
   std::array<float, 2> depthSlope(std::size_t hit, const Sight& sight) const noexcept;
 
 private:
   SurfaceMaterial materialOf(std::size_t hit) const noexcept;
-  /// With what of the colour reaches the eye out of narrow places.
-  std::array<float, 4> openTo(std::size_t hit, std::array<float, 3> rgb, float opacity) const noexcept;
 
   const HitImage* hits_;
   const Camera* camera_;
@@ -109,7 +110,11 @@ public:
   double depth() const noexcept { return sources_[current_].depth; }
   /// On a camera's ray of the pixel.
   double t(const Camera& camera, const Ray& ray) const noexcept;
-  std::array<float, 4> rgba() noexcept;
+  /// Which of the shaders' hits it is, and its sight.
+  std::size_t source() const noexcept { return current_; }
+  const SurfaceShader& shader() const noexcept { return *sources_[current_].shader; }
+  std::size_t hit() const noexcept { return sources_[current_].hit; }
+  const Sight& sight() const noexcept { return sources_[current_].sight; }
   std::array<float, 2> depthSlope() const noexcept;
 
 private:
@@ -120,9 +125,6 @@ private:
     std::size_t end = 0;
     double depth = 0.; // in the window, of that hit
     Sight sight{};
-    std::array<std::array<float, 4>, HitsToLight::most> colors{}; // of these hits
-    std::size_t beginOfColors = 0;
-    std::size_t endOfColors = 0;
   };
   std::vector<Source> sources_;
   std::size_t current_ = 0;

@@ -35,12 +35,17 @@ struct Hit
 };
 
 /// Turned to the eye, away from it and across, vanishing, and of lengths whose squares are no numbers.
-Hit randomHit(Random& random, int kind)
+/// Some at a right angle to the line of sight, but for rounding.
+Hit randomHit(Random& random, int kind, const Vec3& toEye)
 {
   Hit hit{ random.unit(), {}, {} };
   const double length = kind % 7 == 1 ? 0. : kind % 7 == 2 ? 1e-200 : kind % 7 == 3 ? 1e200 : random(0.1, 5.);
   // A gradient along an axis is that of many flat fields.
   hit.gradient = kind % 5 == 0 ? Vec3{ 0., 0., length } : hit.gradient;
+  if (kind % 17 == 5)
+  {
+    hit.gradient = normalized(cross(toEye, hit.gradient));
+  }
   const Vec3 apart = random.unit();
   for (int a = 0; a < 3; ++a)
   {
@@ -79,25 +84,22 @@ TEST(LightHits, IsWhatShadeFindsToTheBit)
           light.color = { static_cast<float>(random(0., 1.)), 0.5f, static_cast<float>(random(0., 1.)) };
         }
         const bool flat = i % 3 == 0;
-        const Vec3 toEye = i % 11 == 0 ? Vec3{ 0., 0., 1. } : random.unit();
         std::vector<Hit> expected;
+        std::vector<Vec3> toEyes;
         HitsToLight hits;
-        for (hits.count = 0; hits.count < 1 + i % HitsToLight::most; ++hits.count)
+        while (hits.count < 1 + i % HitsToLight::most)
         {
-          const Hit hit = randomHit(random, i + hits.count);
-          for (int a = 0; a < 3; ++a)
-          {
-            hits.gradient[a][hits.count] = hit.gradient[a];
-            hits.normal[a][hits.count] = hit.normal[a];
-            hits.ambient[a][hits.count] = hit.material.ambient[a];
-            hits.diffuse[a][hits.count] = hit.material.diffuse[a];
-          }
+          toEyes.push_back((i + hits.count) % 11 == 0 ? Vec3{ 0., 0., 1. } : random.unit());
+          const Hit hit = randomHit(random, i + hits.count, toEyes.back());
+          hits.add(toEyes.back(), { 0., hit.gradient, hit.normal, 0, 0, 0 }, hit.material.ambient,
+            hit.material.diffuse);
           expected.push_back(hit);
         }
-        lightHits(frame, lights, flat, toEye, hits);
+        lightHits(frame, lights, flat, hits);
         for (int k = 0; k < hits.count; ++k)
         {
           const auto& [gradient, smooth, material] = expected[k];
+          const Vec3& toEye = toEyes[k];
           const Vec3 normal =
             flat ? frame.worldNormal(gradient, toEye) : frame.shadingNormal(gradient, smooth, toEye);
           across += !flat && std::abs(dot(normal, toEye)) < 1e-12;

@@ -146,6 +146,27 @@ TEST_F(TranslucentSceneTest, surfacesOfSeveralActors)
   }
 }
 
+// Colours are found for so many layers at a time that those of a pixel fall apart.
+TEST_F(TranslucentSceneTest, manyLayersOfOneActor)
+{
+  Scene scene;
+  const std::array<double, 5> places{ -0.7, -0.35, 0., 0.35, 0.7 };
+  vtkActor* actor = scene.addIsosurface(makeTestGrid(), "x", 0.);
+  auto* mapper = vtkTreeAMRIsosurfaceMapper::SafeDownCast(actor->GetMapper());
+  mapper->SetNumberOfContours(static_cast<int>(places.size()));
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetColor(blue[0], blue[1], blue[2]);
+  actor->GetProperty()->SetOpacity(0.3);
+  std::vector<Rectangle> rectangles;
+  for (std::size_t i = 0; i < places.size(); ++i)
+  {
+    mapper->SetValue(static_cast<int>(i), places[i]);
+    rectangles.push_back({ { places[i], 0., 0. }, { 0., 1., 0. }, { 0., 0., 1. }, blue, 0.3 });
+  }
+  scene.setCamera();
+  expectLayers(scene, nullptr, rectangles, tolerance, mostlyEdges);
+}
+
 // Among other translucent polygons they are sorted by VTK.
 TEST_F(TranslucentSceneTest, ownActorsAmongOthers)
 {

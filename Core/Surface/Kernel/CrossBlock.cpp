@@ -9,6 +9,7 @@
 #include "Surface/Kernel/SurfaceVectors-inl.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -48,6 +49,34 @@ HWY_INLINE Doubles countTrue(Mask a, Mask b, Mask c)
 struct CornerValues
 {
   std::array<Doubles, 8> at;
+
+  /// Rounded less often, where that is faster: for what bounds it.
+  HWY_INLINE std::array<Doubles, 4> nearlyAlong(
+    const std::array<Doubles, 3>& from, const std::array<Doubles, 3>& part) const
+  {
+    std::array<std::array<Doubles, 2>, 4> x;
+    for (int i = 0; i < 4; ++i)
+    {
+      const Doubles difference = hn::Sub(at[2 * i + 1], at[2 * i]);
+      x[i] = { hn::MulAdd(from[0], difference, at[2 * i]), hn::Mul(part[0], difference) };
+    }
+    std::array<std::array<Doubles, 3>, 2> y;
+    for (int i = 0; i < 2; ++i)
+    {
+      const Doubles d0 = hn::Sub(x[2 * i + 1][0], x[2 * i][0]);
+      const Doubles d1 = hn::Sub(x[2 * i + 1][1], x[2 * i][1]);
+      y[i] = { hn::MulAdd(from[1], d0, x[2 * i][0]),
+        hn::MulAdd(part[1], d0, hn::MulAdd(from[1], d1, x[2 * i][1])), hn::Mul(part[1], d1) };
+    }
+    std::array<Doubles, 3> d;
+    for (int i = 0; i < 3; ++i)
+    {
+      d[i] = hn::Sub(y[1][i], y[0][i]);
+    }
+    return { hn::MulAdd(from[2], d[0], y[0][0]),
+      hn::MulAdd(part[2], d[0], hn::MulAdd(from[2], d[1], y[0][1])),
+      hn::MulAdd(part[2], d[1], hn::MulAdd(from[2], d[2], y[0][2])), hn::Mul(part[2], d[2]) };
+  }
 
   HWY_INLINE std::array<Doubles, 4> along(
     Doubles isovalue, const std::array<Doubles, 3>& from, const std::array<Doubles, 3>& part) const
@@ -137,43 +166,77 @@ struct Slab
     , crosses(hn::Lt(hn::Abs(inverse), set(std::numeric_limits<double>::infinity())))
   {
   }
-  HWY_INLINE Doubles planeAt(double plane) const { return hn::Mul(hn::Sub(set(plane), origin), inverse); }
+  HWY_INLINE Doubles planeAt(Doubles plane) const { return hn::Mul(hn::Sub(plane, origin), inverse); }
+};
+
+/// The planes that narrow a block.
+struct Narrowed
+{
+  Vectors3 lower;
+  Vectors3 upper;
+
+  HWY_INLINE explicit Narrowed(const CrossedBlock& block)
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      // Beyond the octants that may be active there is nothing to find.
+      lower[a] = set(block.planes.at[a][block.first[a]]);
+      upper[a] = set(block.planes.at[a][block.end[a]]);
+    }
+  }
+
+  /// Adds those of a packet's rays.
+  HWY_INLINE void enter(const SlabRays& rays, int first, std::uint32_t wanted, BlockEntries& entries) const
+  {
+    const Tag d;
+    const IntTag di;
+    const Doubles infinity = set(std::numeric_limits<double>::infinity());
+    for (int i = 0; i < PixelRays::most; i += lanes)
+    {
+      const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(wanted >> i & ((1u << lanes) - 1)) };
+      const int begin = first + i;
+      Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
+      Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
+      for (int a = 0; a < 3; ++a)
+      {
+        const Slab slab(hn::LoadU(d, &rays.origin[a][begin]), hn::LoadU(d, &rays.inverse[a][begin]));
+        const Doubles low = slab.planeAt(lower[a]);
+        const Doubles high = slab.planeAt(upper[a]);
+        // Of two neighbours exactly one has a ray that runs in their face.
+        const Mask inside = hn::And(hn::Ge(slab.origin, lower[a]), hn::Lt(slab.origin, upper[a]));
+        const Doubles in = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high),
+          hn::IfThenElse(inside, hn::Neg(infinity), infinity));
+        t0 = hn::Max(t0, in);
+        t1 = hn::Min(t1, hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity));
+      }
+      const Mask enters = hn::And(hn::Lt(t0, t1), hn::Le(t0, hn::LoadU(d, &rays.limit[begin])));
+      const Packing packing(hn::And(enters, hn::LoadMaskBits(d, bits.data())));
+      packing.store(t0, &entries.t0[entries.count]);
+      packing.store(t1, &entries.t1[entries.count]);
+      // Iota(di, begin) would be put together in memory.
+      packing.store(hn::Add(hn::Iota(di, 0), hn::Set(di, begin)), &entries.ray[entries.count]);
+      entries.count += packing.count();
+    }
+  }
 };
 
 void EnterBlock(
   const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted, BlockEntries& entries)
 {
-  const Tag d;
-  const IntTag di;
-  const Doubles infinity = set(std::numeric_limits<double>::infinity());
-  for (int i = 0; i < PixelRays::most; i += lanes)
+  Narrowed(block).enter(rays, first, wanted, entries);
+}
+
+std::uint32_t EnterBlockByPackets(
+  const CrossedBlock& block, const SlabRays& rays, int count, std::uint32_t packets, BlockEntries& entries)
+{
+  constexpr int packet = PixelRays::most;
+  const Narrowed narrowed(block);
+  for (; packets != 0 && entries.hasRoom(); packets &= packets - 1)
   {
-    const std::array<std::uint8_t, 8> bits{ static_cast<std::uint8_t>(wanted >> i & ((1u << lanes) - 1)) };
-    const int begin = first + i;
-    Doubles t0 = hn::LoadU(d, &rays.enter[begin]);
-    Doubles t1 = hn::LoadU(d, &rays.leave[begin]);
-    for (int a = 0; a < 3; ++a)
-    {
-      // Beyond the octants that may be active there is nothing to find.
-      const double lower = block.planes.at[a][block.first[a]];
-      const double upper = block.planes.at[a][block.end[a]];
-      const Slab slab(hn::LoadU(d, &rays.origin[a][begin]), hn::LoadU(d, &rays.inverse[a][begin]));
-      const Doubles low = slab.planeAt(lower);
-      const Doubles high = slab.planeAt(upper);
-      // Of two neighbours exactly one has a ray that runs in their face.
-      const Mask inside = hn::And(hn::Ge(slab.origin, set(lower)), hn::Lt(slab.origin, set(upper)));
-      const Doubles in = hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, low, high),
-        hn::IfThenElse(inside, hn::Neg(infinity), infinity));
-      t0 = hn::Max(t0, in);
-      t1 = hn::Min(t1, hn::IfThenElse(slab.crosses, hn::IfThenElse(slab.up, high, low), infinity));
-    }
-    const Mask enters = hn::And(hn::Lt(t0, t1), hn::Le(t0, hn::LoadU(d, &rays.limit[begin])));
-    const Packing packing(hn::And(enters, hn::LoadMaskBits(d, bits.data())));
-    packing.store(t0, &entries.t0[entries.count]);
-    packing.store(t1, &entries.t1[entries.count]);
-    packing.store(hn::Iota(di, begin), &entries.ray[entries.count]);
-    entries.count += packing.count();
+    const int first = packet * std::countr_zero(packets);
+    narrowed.enter(rays, first, (1u << std::min(packet, count - first)) - 1, entries);
   }
+  return packets;
 }
 
 /// walkBlock() for a vector of rays from the i-th on, on from where they enter.
@@ -199,9 +262,9 @@ HWY_INLINE void walk(
     const double octants = 1 << 2 * a; // from one layer to the next
     const Slab slab(
       hn::GatherIndex(d, rays.origin[a].data(), ray), hn::GatherIndex(d, rays.inverse[a].data(), ray));
-    const Doubles low = slab.planeAt(p[1]);
-    const Doubles middle = slab.planeAt(p[2]);
-    const Doubles high = slab.planeAt(p[3]);
+    const Doubles low = slab.planeAt(set(p[1]));
+    const Doubles middle = slab.planeAt(set(p[2]));
+    const Doubles high = slab.planeAt(set(p[3]));
     const std::array<Doubles, 3> planeT{ hn::IfThenElse(
                                            slab.crosses, hn::IfThenElse(slab.up, low, high), infinity),
       hn::IfThenElse(slab.crosses, middle, infinity),
@@ -333,7 +396,7 @@ void CrossBlock(std::span<const double> isovalues, int firstIsovalue, const Slab
     Hull hull{};
     if (isovalues.size() > 1)
     {
-      hull = Hull(values.along(hn::Zero(d), places.from, places.part));
+      hull = Hull(values.nearlyAlong(places.from, places.part));
     }
     for (std::size_t surface = 0; surface < isovalues.size(); ++surface)
     {
@@ -382,12 +445,19 @@ namespace treeamr
 {
 
 HWY_EXPORT(EnterBlock);
+HWY_EXPORT(EnterBlockByPackets);
 HWY_EXPORT(CrossBlock);
 
 void enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
   BlockEntries& entries) noexcept
 {
   HWY_DYNAMIC_DISPATCH(EnterBlock)(block, rays, first, wanted, entries);
+}
+
+std::uint32_t enterBlockByPackets(const CrossedBlock& block, const SlabRays& rays, int count,
+  std::uint32_t packets, BlockEntries& entries) noexcept
+{
+  return HWY_DYNAMIC_DISPATCH(EnterBlockByPackets)(block, rays, count, packets, entries);
 }
 
 void crossBlock(std::span<const double> isovalues, int firstIsovalue, const SlabRays& rays,

@@ -160,7 +160,7 @@ public:
       }
       else if (const std::uint32_t packets = this->packetsThatMeet(boxes, k))
       {
-        found_.push_back({ static_cast<std::uint32_t>(box), packets, this->depthOf(boxes, k) });
+        found_.emplace_back(static_cast<std::uint32_t>(box), packets, this->depthOf(boxes, k));
       }
     }
   }

@@ -8,6 +8,8 @@
 #include "Surface/Kernel/SurfaceKernel.h"
 #include "Surface/Kernel/SurfaceVectors-inl.h"
 
+#include <cmath>
+
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
 {
@@ -88,9 +90,18 @@ struct EdgeDifferences
   }
 };
 
+/// 1 / width when that is as good as to divide by it, else 0.
+double exactReciprocal(double width)
+{
+  int exponent;
+  const double inverse = 1. / width;
+  return std::frexp(width, &exponent) == 0.5 && std::isnormal(inverse) ? inverse : 0.;
+}
+
 void FindNormals(const Vec3& width, HitPlaces& hits)
 {
   const Tag d;
+  const Vec3 perWidth{ exactReciprocal(width[0]), exactReciprocal(width[1]), exactReciprocal(width[2]) };
   const EdgeDifferences differences(hits);
   if (hits.withNormals)
   {
@@ -113,7 +124,9 @@ void FindNormals(const Vec3& width, HitPlaces& hits)
       const Doubles difference =
         along(along(at(0), at(1), atB), along(at(2), at(3), atB), place[(a + 2) % 3]);
       const Doubles slope = hn::Mul(difference, hn::Load(d, &hits.inverseWidth[a][i]));
-      hn::Store(hn::Div(slope, set(width[a])), d, &hits.gradient[a][i]);
+      const Doubles inData =
+        perWidth[a] != 0. ? hn::Mul(slope, set(perWidth[a])) : hn::Div(slope, set(width[a]));
+      hn::Store(inData, d, &hits.gradient[a][i]);
     }
     const Mask valid =
       hn::FirstN(d, hits.withNormals ? static_cast<std::size_t>(hits.count - i) : std::size_t(0));

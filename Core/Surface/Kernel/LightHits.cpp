@@ -1,4 +1,4 @@
-// The light of many hits of a ray: SurfaceFrame::shadingNormal() and shade() for vectors of them.
+// The light of many hits: SurfaceFrame::shadingNormal() and shade() for vectors of them.
 #include "InstructionSets.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -31,22 +31,35 @@ HWY_INLINE Vectors3 negatedWhere(Mask mask, const Vectors3& v)
   return select(mask, { hn::Neg(v[0]), hn::Neg(v[1]), hn::Neg(v[2]) }, v);
 }
 
-/// Gradients in the world, of unit length.
-HWY_INLINE Vectors3 transformed(const SurfaceFrame& frame, const Vectors3& gradient)
+/// Gradients in the world.
+HWY_INLINE Vectors3 inWorld(const SurfaceFrame& frame, const Vectors3& gradient)
 {
-  Vectors3 inWorld;
-  for (int r = 0; r < 3; ++r)
-  {
-    inWorld[r] = dotVectors(setVectors(frame.cofactors()[r]), gradient);
-  }
-  return normalizedVectors(inWorld);
+  return { dotVectors(setVectors(frame.cofactors()[0]), gradient),
+    dotVectors(setVectors(frame.cofactors()[1]), gradient),
+    dotVectors(setVectors(frame.cofactors()[2]), gradient) };
 }
 
 /// SurfaceFrame::worldNormal() towards the eye.
 HWY_INLINE Vectors3 worldNormals(const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& toEye)
 {
-  const Vectors3 n = transformed(frame, gradient);
+  const Vectors3 n = normalizedVectors(inWorld(frame, gradient));
   return select(isZero(n), toEye, negatedWhere(hn::Lt(dotVectors(n, toEye), hn::Zero(Tag())), n));
+}
+
+/// Whether gradients of unit length point away from the eye. Most say so without their length: where the sum is many
+/// times what it may be rounded by, with and without it.
+HWY_INLINE Mask areAway(const Vectors3& gradient, const Vectors3& toEye)
+{
+  const Tag d;
+  const auto absolute = [](const Vectors3& v) {
+    return Vectors3{ hn::Abs(v[0]), hn::Abs(v[1]), hn::Abs(v[2]) };
+  };
+  const Doubles towards = dotVectors(gradient, toEye);
+  const Doubles most = dotVectors(absolute(gradient), absolute(toEye));
+  const Mask isSure = hn::And(hn::Gt(hn::Abs(towards), hn::Mul(set(0x1p-48), most)),
+    hn::And(hn::Gt(most, set(1e-140)), hn::Lt(dotVectors(gradient, gradient), set(1e300))));
+  return hn::Lt(
+    hn::AllTrue(d, isSure) ? towards : dotVectors(normalizedVectors(gradient), toEye), hn::Zero(d));
 }
 
 /// SurfaceFrame::shadingNormal().
@@ -54,16 +67,17 @@ HWY_INLINE Vectors3 shadingNormals(
   const SurfaceFrame& frame, const Vectors3& gradient, const Vectors3& normal, const Vectors3& toEye)
 {
   const Tag d;
-  const Vectors3 up = transformed(frame, gradient);
-  const Mask isAway = hn::Lt(dotVectors(up, toEye), hn::Zero(d));
-  const Vectors3 n = negatedWhere(isAway, transformed(frame, normal));
+  const Vectors3 up = inWorld(frame, gradient);
+  const Mask isAway = areAway(up, toEye);
+  const Vectors3 n = negatedWhere(isAway, normalizedVectors(inWorld(frame, normal)));
   const Doubles towards = dotVectors(n, toEye);
   const Mask isSeen = hn::Gt(towards, hn::Zero(d));
   if (hn::AllTrue(d, isSeen))
   {
     return n;
   }
-  const Vectors3 side = select(isZero(up), toEye, negatedWhere(isAway, up));
+  const Vectors3 unitUp = normalizedVectors(up);
+  const Vectors3 side = select(isZero(unitUp), toEye, negatedWhere(isAway, unitUp));
   Vectors3 across;
   for (int a = 0; a < 3; ++a)
   {
@@ -74,12 +88,10 @@ HWY_INLINE Vectors3 shadingNormals(
   return select(isSeen, n, select(isZero(across), side, across));
 }
 
-void LightHits(
-  const SurfaceFrame& frame, std::span<const Light> lights, bool flat, const Vec3& toEye, HitsToLight& hits)
+void LightHits(const SurfaceFrame& frame, std::span<const Light> lights, bool flat, HitsToLight& hits)
 {
   const Tag d;
   const hn::Rebind<float, Tag> df;
-  const Vectors3 eye = setVectors(toEye);
   for (int i = 0; i < hits.count; i += lanes)
   {
     const Mask valid = hn::FirstN(d, static_cast<std::size_t>(hits.count - i));
@@ -87,11 +99,18 @@ void LightHits(
       const auto at = [&](int a) { return hn::IfThenElse(valid, hn::Load(d, &from[a][i]), set(1.)); };
       return Vectors3{ at(0), at(1), at(2) };
     };
+    const auto promoted = [&](const std::array<HitsToLight::FloatComponent, 3>& from) {
+      const auto at = [&](int a) {
+        return hn::IfThenElse(valid, hn::PromoteTo(d, hn::Load(df, &from[a][i])), set(1.));
+      };
+      return Vectors3{ at(0), at(1), at(2) };
+    };
+    const Vectors3 eye = load(hits.toEye);
     const Vectors3 gradient = load(hits.gradient);
     const Vectors3 normal =
-      flat ? worldNormals(frame, gradient, eye) : shadingNormals(frame, gradient, load(hits.normal), eye);
-    const Vectors3 diffuse = load(hits.diffuse);
-    Vectors3 sum = load(hits.ambient);
+      flat ? worldNormals(frame, gradient, eye) : shadingNormals(frame, gradient, promoted(hits.normal), eye);
+    const Vectors3 diffuse = promoted(hits.diffuse);
+    Vectors3 sum = promoted(hits.ambient);
     for (const Light& light : lights)
     {
       const Doubles cosine = hn::Neg(dotVectors(normal, setVectors(light.direction)));
@@ -121,10 +140,10 @@ namespace treeamr
 
 HWY_EXPORT(LightHits);
 
-void lightHits(const SurfaceFrame& frame, std::span<const Light> lights, bool flat, const Vec3& toEye,
-  HitsToLight& hits) noexcept
+void lightHits(
+  const SurfaceFrame& frame, std::span<const Light> lights, bool flat, HitsToLight& hits) noexcept
 {
-  HWY_DYNAMIC_DISPATCH(LightHits)(frame, lights, flat, toEye, hits);
+  HWY_DYNAMIC_DISPATCH(LightHits)(frame, lights, flat, hits);
 }
 
 } // namespace treeamr

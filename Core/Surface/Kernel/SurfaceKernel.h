@@ -4,6 +4,7 @@
 #pragma once
 
 #include "Surface/BlockWalk.h"
+#include "Surface/Isosurface.h"
 #include "Surface/Shading.h"
 #include "Surface/SurfaceFrame.h"
 
@@ -174,6 +175,10 @@ struct BlockEntries
 /// Adds those of the 16 rays from the first on whose bits are set in `wanted`.
 void enterBlock(const CrossedBlock& block, const SlabRays& rays, int first, std::uint32_t wanted,
   BlockEntries& entries) noexcept;
+/// Adds those of the packets of 16 rays whose bits are set, of `count` rays; returns the bits of the packets that there
+/// was no room for.
+std::uint32_t enterBlockByPackets(const CrossedBlock& block, const SlabRays& rays, int count,
+  std::uint32_t packets, BlockEntries& entries) noexcept;
 
 /// Adds those in the last block of the rays that enter it, and of as many isovalues as mostIsovalues at most, numbered
 /// from firstIsovalue. Those of a ray come in its order, and of an octant in that of the isovalues.
@@ -197,7 +202,7 @@ void findRoots(const OctantCandidates& candidates, bool firstOnly, CandidateRoot
 /// The places of some hits, side by side, and their gradients and normals; see gradientAt() and normalAt().
 struct HitPlaces
 {
-  static constexpr int most = 16;
+  static constexpr int most = 64; // what is announced of the first is in the cache by then
   using Component = std::array<double, most>;
   int count = 0;
   bool withNormals = true; // else they are 0
@@ -227,21 +232,37 @@ struct HitPlaces
 /// Finds them. width: of the planes' units, in data coordinates.
 void findNormals(const Vec3& width, HitPlaces& hits) noexcept;
 
-/// Hits to be lit, by component: of one ray, without highlights.
+/// Hits to be lit, by component, without highlights.
 struct HitsToLight
 {
-  static constexpr int most = 8;
+  static constexpr int most = 64;
   using Component = std::array<double, most>;
+  using FloatComponent = std::array<float, most>;
   int count = 0;
-  alignas(64) std::array<Component, 3> gradient; // as SurfaceHit's
-  alignas(64) std::array<Component, 3> normal;
-  alignas(64) std::array<Component, 3> ambient; // as Material's
-  alignas(64) std::array<Component, 3> diffuse;
-  alignas(64) std::array<std::array<float, most>, 3> rgb; // what shade() finds by SurfaceFrame's normal
+  alignas(64) std::array<Component, 3> toEye;
+  alignas(64) std::array<Component, 3> gradient;     // as SurfaceHit's
+  alignas(64) std::array<FloatComponent, 3> normal;  // as SurfaceHit's
+  alignas(64) std::array<FloatComponent, 3> ambient; // as Material's
+  alignas(64) std::array<FloatComponent, 3> diffuse;
+  alignas(64) std::array<FloatComponent, 3> rgb; // what shade() finds by SurfaceFrame's normal
+
+  void add(const Vec3& hitToEye, const SurfaceHit& hit, const std::array<float, 3>& hitAmbient,
+    const std::array<float, 3>& hitDiffuse) noexcept
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      toEye[a][count] = hitToEye[a];
+      gradient[a][count] = hit.gradient[a];
+      normal[a][count] = hit.normal[a];
+      ambient[a][count] = hitAmbient[a];
+      diffuse[a][count] = hitDiffuse[a];
+    }
+    ++count;
+  }
 };
 
 /// Lights them; lights: without a position. flat: by the gradients alone.
-void lightHits(const SurfaceFrame& frame, std::span<const Light> lights, bool flat, const Vec3& toEye,
-  HitsToLight& hits) noexcept;
+void lightHits(
+  const SurfaceFrame& frame, std::span<const Light> lights, bool flat, HitsToLight& hits) noexcept;
 
 } // namespace treeamr
