@@ -204,9 +204,9 @@ void vtkSMTreeAMRVolumeRepresentationProxy::Observe(vtkSMProxy* view)
 //------------------------------------------------------------------------------
 void vtkSMTreeAMRVolumeRepresentationProxy::UpdatePropertyInformationInternal(vtkSMProperty* property)
 {
-  auto* error = vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty("EstimatedError"));
-  auto* seconds = vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty("FrameSeconds"));
-  const bool isOther = property != error && property != seconds; // null: all
+  const auto isOf = [&](const char* name) { return property == this->GetProperty(name); };
+  const bool isOther = !isOf("EstimatedError") && !isOf("FrameSeconds") && !isOf("DrawnCells") &&
+    !isOf("DrawnLevels") && !isOf("Memory") && !isOf("FrameSamples"); // null: all
   if (isOther)
   {
     this->Superclass::UpdatePropertyInformationInternal(property);
@@ -217,8 +217,15 @@ void vtkSMTreeAMRVolumeRepresentationProxy::UpdatePropertyInformationInternal(vt
   }
   vtkNew<vtkTreeAMRFrameInformation> frame;
   this->GetSession()->GatherInformation(vtkPVSession::RENDER_SERVER, frame, this->GetGlobalID());
-  error->SetElement(0, frame->GetEstimatedError());
-  seconds->SetElement(0, frame->GetSeconds());
+  const auto set = [&](const char* name, double value) {
+    vtkSMDoubleVectorProperty::SafeDownCast(this->GetProperty(name))->SetElement(0, value);
+  };
+  set("EstimatedError", frame->GetEstimatedError());
+  set("FrameSeconds", frame->GetSeconds());
+  set("DrawnCells", frame->GetCells());
+  set("DrawnLevels", frame->GetLevels());
+  set("Memory", frame->GetMemory());
+  set("FrameSamples", frame->GetSamples());
 }
 
 //------------------------------------------------------------------------------
@@ -227,6 +234,6 @@ void vtkSMTreeAMRVolumeRepresentationProxy::ViewRendered(
 {
   if (interactive && *static_cast<int*>(interactive) == 0)
   {
-    this->UpdatePropertyInformation(this->GetProperty("EstimatedError")); // and of FrameSeconds
+    this->UpdatePropertyInformation(this->GetProperty("EstimatedError")); // and of all others of the frame
   }
 }

@@ -206,9 +206,34 @@ bool vtkTreeAMRVolumeRepresentation::HasSurfaces()
 }
 
 //------------------------------------------------------------------------------
+double vtkTreeAMRVolumeRepresentation::GetStatistic(const char* name)
+{
+  return this->Mapper->GetStatistics()->GetValueByName(0, name).ToDouble();
+}
+
+//------------------------------------------------------------------------------
 double vtkTreeAMRVolumeRepresentation::GetEstimatedError()
 {
-  return this->Mapper->GetStatistics()->GetValueByName(0, "EstimatedError").ToDouble();
+  return this->GetStatistic("EstimatedError");
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRVolumeRepresentation::GetDrawnLevels()
+{
+  return this->GetStatistic("Cells") > 0. ? static_cast<int>(this->Grid->GetNumberOfLevels()) : 0;
+}
+
+//------------------------------------------------------------------------------
+double vtkTreeAMRVolumeRepresentation::GetMemory()
+{
+  constexpr double mib = 1 << 20;
+  vtkTable* statistics = this->Mapper->GetStatistics();
+  double bytes = 0.;
+  for (const char* part : { "OctreeBytes", "KeptBytes", "SurfaceBytes" })
+  {
+    bytes += statistics->GetValueByName(0, part).ToDouble();
+  }
+  return bytes / mib;
 }
 
 //------------------------------------------------------------------------------

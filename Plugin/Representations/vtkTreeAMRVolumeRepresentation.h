@@ -78,6 +78,14 @@ public:
   double GetFrameSeconds();
   ///@}
   ///@{
+  /// Of what was drawn there last: the cells, the levels of the grid, MiB of octree, values, kept values and isosurfaces,
+  /// and the samples that the frame took. 0 before.
+  double GetDrawnCells() { return this->GetStatistic("Cells"); }
+  int GetDrawnLevels();
+  double GetMemory();
+  double GetFrameSamples() { return this->GetStatistic("Samples"); }
+  ///@}
+  ///@{
   /// As ParaView's Volume: draws what is in the box of the data's bounds, scaled about the origin of data coordinates
   /// and then moved. Default off.
   void SetCropping(bool crop);
@@ -122,6 +130,7 @@ private:
   void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
 
   bool HasSurfaces();
+  double GetStatistic(const char* name);
 
   bool UsesOpacityArray = false;
   std::string OpacityArray;

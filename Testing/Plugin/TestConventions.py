@@ -154,6 +154,19 @@ class TestConventions(scene.TestCase):
                           child.get("is_internal") != "1" and child.get("information_only") != "1"}
         return names - {"Visibility", "ForceUseCache", "ForcedCacheKey", "ColorArrayName"}
 
+    def test_information(self):
+        """Of the last picture: cells, levels, memory, samples and seconds."""
+        self.show("Tree AMR Volume")
+        simple.Render(self.view)
+        self.representation.UpdatePropertyInformation()
+        get = lambda name: self.representation.GetProperty(name).GetData()
+        self.assertEqual(288, get("DrawnCells"))
+        self.assertEqual(2, get("DrawnLevels"))
+        self.assertGreater(get("FrameSamples"), 1000)
+        self.assertGreater(get("Memory"), 0)
+        self.assertLess(get("Memory"), 1)
+        self.assertGreater(get("FrameSeconds"), 0)
+
     def test_progress(self):
         """Long still frames tell how far they are; others do not."""
         for kind in KINDS:
