@@ -57,12 +57,6 @@ bool drawsVolumesLast(vtkRenderer* renderer)
   return !renderer->GetPass();
 }
 
-/// Cullers take props out of the frame by giving them no time.
-bool isCulled(vtkRenderer* renderer, vtkProp* prop)
-{
-  return renderer->GetCullers()->GetNumberOfItems() > 0 && prop->GetRenderTimeMultiplier() == 0.;
-}
-
 /// Whether some prop that is drawn as a volume is in it.
 bool hasVolumes(vtkProp* prop)
 {
@@ -72,6 +66,11 @@ bool hasVolumes(vtkProp* prop)
 }
 
 } // namespace
+
+bool isCulled(vtkRenderer* renderer, vtkProp* prop)
+{
+  return renderer->GetCullers()->GetNumberOfItems() > 0 && prop->GetRenderTimeMultiplier() == 0.;
+}
 
 bool TranslucentScene::has(const vtkActor* actor) const
 {

@@ -37,6 +37,9 @@ struct TranslucentScene
   bool has(const vtkActor* actor) const;
 };
 
+/// Cullers take props out of the frame by giving them no time.
+bool isCulled(vtkRenderer* renderer, vtkProp* prop);
+
 /// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; and when volumes may not be drawn after surfaces (the renderer has passes that are not known). While the
 /// renderer draws.
 TranslucentScene findTranslucentScene(vtkRenderer* renderer);

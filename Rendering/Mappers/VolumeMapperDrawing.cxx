@@ -5,6 +5,7 @@
 #include "SceneConversion.h"
 #include "VolumeEffects.h"
 #include "VolumeMapperInternals.h"
+#include "VolumeOrder.h"
 #include "vtkTreeAMRDepthReader.h"
 #include "vtkTreeAMRIsosurfaceMapper.h"
 
@@ -23,6 +24,30 @@
 #include <exception>
 #include <optional>
 #include <span>
+
+namespace
+{
+
+/// Of images that are premultiplied.
+void putBehind(treeamr::Image& image, const treeamr::Image& behind)
+{
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+  {
+    const float through = 1.f - image.rgba[i + 3];
+    for (int c = 0; c < 4; ++c)
+    {
+      image.rgba[i + c] += through * behind.rgba[i + c];
+    }
+  }
+}
+
+} // anonymous namespace
+
+//------------------------------------------------------------------------------
+vtkTreeAMRVolumeMapper* vtkTreeAMRVolumeMapper::MapperOf(const Picture& picture)
+{
+  return static_cast<vtkTreeAMRVolumeMapper*>(picture.Volume->GetMapper());
+}
 
 //------------------------------------------------------------------------------
 treeamr::DraftSettings vtkTreeAMRVolumeMapper::GetDraftSettings() const
@@ -283,47 +308,94 @@ vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::Trace(Picture& picture, const vtkTree
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::DrawPeeled(Picture& picture)
+void vtkTreeAMRVolumeMapper::StartFrames(const Pictures& pictures)
+{
+  double distance = 0.;
+  for (const std::unique_ptr<Picture>& picture : pictures)
+  {
+    vtkTreeAMRVolumeMapper* mapper = MapperOf(*picture);
+    mapper->StartFrame(*picture);
+    const treeamr::VolumeFrame& frame = mapper->Private->CurrentFrame;
+    distance = distance == 0. ? frame.ImageSampleDistance
+      : frame.Interactive     ? std::max(distance, frame.ImageSampleDistance)
+                              : std::min(distance, frame.ImageSampleDistance);
+  }
+  for (const std::unique_ptr<Picture>& picture : pictures)
+  {
+    MapperOf(*picture)->Private->CurrentFrame.ImageSampleDistance = distance;
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::TraceAll(
+  const Pictures& pictures, const vtkTreeAMRRaySegments& pixels, std::optional<vtkTreeAMRRayImage>& all)
+{
+  for (const std::unique_ptr<Picture>& picture : pictures)
+  {
+    vtkTreeAMRVolumeMapper* mapper = MapperOf(*picture);
+    if (pictures.size() > 1)
+    {
+      picture->HasVolume = mapper->PrepareVolume(picture->Renderer, picture->Volume); // volumes may share a mapper
+      picture->Shaders.reset();
+    }
+    vtkTreeAMRRayImage image = mapper->Trace(*picture, pixels);
+    if (all)
+    {
+      putBehind(all->Image, image.Image);
+    }
+    else
+    {
+      all.emplace(std::move(image));
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::DrawPeeled(const Pictures& pictures)
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
+  const Picture& own = *pictures.front();
   vtkTreeAMRRaySegments front;
   vtkTreeAMRRaySegments back;
   const double start = vtkTimerLog::GetUniversalTime();
   internals.DepthPeeling.Begin(
-    picture.Renderer, this, picture.Volume, picture.Viewport.Width, picture.Viewport.Height, front, back);
+    own.Renderer, this, own.Volume, own.Viewport.Width, own.Viewport.Height, front, back);
   const double begun = vtkTimerLog::GetUniversalTime();
   if (internals.DepthPeeling.IsFrameStart())
   {
-    this->StartFrame(picture);
+    this->StartFrames(pictures);
   }
   frame.CompositingSeconds += begun - start;
   back.Simplify();
   std::optional<vtkTreeAMRRayImage> frontImage;
   if (!front.IsEmpty())
   {
-    frontImage = this->Trace(picture, front);
+    this->TraceAll(pictures, front, frontImage);
   }
-  const vtkTreeAMRRayImage backImage = this->Trace(picture, back);
+  std::optional<vtkTreeAMRRayImage> backImage;
+  this->TraceAll(pictures, back, backImage);
   const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
-  internals.DepthPeeling.Draw(picture.Renderer, frontImage ? &*frontImage : nullptr, backImage);
+  internals.DepthPeeling.Draw(own.Renderer, frontImage ? &*frontImage : nullptr, *backImage);
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::DrawOver(Picture& picture)
+void vtkTreeAMRVolumeMapper::DrawOver(const Pictures& pictures)
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
-  this->StartFrame(picture);
+  const Picture& own = *pictures.front();
+  this->StartFrames(pictures);
   vtkTreeAMRRaySegments segments;
   {
     const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
-    vtkTreeAMRDepthReader::Read(picture.Renderer, picture.Viewport, segments.End);
+    vtkTreeAMRDepthReader::Read(own.Renderer, own.Viewport, segments.End);
     segments.Simplify();
   }
-  const vtkTreeAMRRayImage image = this->Trace(picture, segments);
+  std::optional<vtkTreeAMRRayImage> image;
+  this->TraceAll(pictures, segments, image);
   const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
-  internals.Painter.DrawOver(picture.Renderer, image);
+  internals.Painter.DrawOver(own.Renderer, *image);
 }
 
 //------------------------------------------------------------------------------
@@ -334,25 +406,45 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
   {
     throw treeamr::Error("volume mapper: in a vtkMultiVolume, needed is a vtkVolume of its own for each grid");
   }
-  treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
-  const bool isWhole = scene.volume == volume;
-  const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
-  if (isWhole && isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(this, volume))
+  treeamr::VolumeOrder order = treeamr::orderVolumes(renderer);
+  if (order.volumes.size() < 2 || std::find(order.volumes.begin(), order.volumes.end(), volume) == order.volumes.end())
   {
-    return false; // that one has drawn everything
+    order = { { volume }, volume, nullptr };
+  }
+  treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+  const bool isWhole = scene.volume == volume && order.volumes.size() == 1;
+  const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
+  if (order.first != volume ||
+    (isWhole && isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(this, volume)))
+  {
+    return false; // that one, or that stage, draws everything
+  }
+  if (order.overlapping)
+  {
+    this->Private->Messages.warning({ "overlap",
+      "Two volumes of one view overlap: each is drawn as a whole, that whose centre is nearer before the other." });
   }
   if (!isWhole)
   {
     scene.surfaces.clear();
   }
-  treeamr::DataCut cut = treeamr::cutOf(this, volume);
-  cut.cropping = treeamr::convertCropping(this);
-  Picture picture{ renderer, volume, vtkTreeAMRTarget::GetViewport(renderer), isWhole, isPeeling,
-    this->PrepareVolume(renderer, volume), std::move(cut),
-    { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, {} };
-  if (picture.HasVolume || !picture.Actors.isEmpty())
+  Pictures pictures;
+  for (vtkVolume* shown : order.volumes)
   {
-    isPeeling ? this->DrawPeeled(picture) : this->DrawOver(picture);
+    auto* mapper = static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper());
+    treeamr::DataCut cut = treeamr::cutOf(mapper, shown);
+    cut.cropping = treeamr::convertCropping(mapper);
+    std::unique_ptr<Picture> picture(new Picture{ renderer, shown, vtkTreeAMRTarget::GetViewport(renderer), isWhole,
+      isPeeling, mapper->PrepareVolume(renderer, shown), std::move(cut),
+      { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, {} });
+    if (picture->HasVolume || !picture->Actors.isEmpty())
+    {
+      pictures.push_back(std::move(picture));
+    }
+  }
+  if (!pictures.empty())
+  {
+    isPeeling ? this->DrawPeeled(pictures) : this->DrawOver(pictures);
   }
   return true;
 }
@@ -387,6 +479,10 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
   {
     isRound = false;
     this->Private->CurrentFrame = treeamr::VolumeFrame(); // nothing of it is drawn or counts
+    for (vtkVolume* shown : treeamr::orderVolumes(renderer).volumes)
+    {
+      static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper())->Private->CurrentFrame = treeamr::VolumeFrame();
+    }
   }
   catch (const std::exception& error)
   {

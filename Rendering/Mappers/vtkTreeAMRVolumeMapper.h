@@ -16,6 +16,10 @@
  * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the
  * volume, in one pass and in their order.
  *
+ * Several volumes of such mappers in a renderer are drawn when the first one is, each where it lies before or behind the
+ * others, in depth peeling, too. Of those that overlap the one whose centre is nearer is before the other, which warns once.
+ * Volumes of VTK's own mappers come when VTK asks them.
+ *
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons
  * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Where nothing is translucent but one such
  * volume and actors of vtkTreeAMRIsosurfaceMapper, the volume draws these with itself, each ray once through
@@ -53,6 +57,7 @@
 #include <memory>     // for std::unique_ptr
 #include <optional>   // for std::optional
 #include <string>     // for std::string
+#include <vector>     // for std::vector
 
 class vtkHyperTreeGrid;
 class vtkTable;
@@ -365,8 +370,13 @@ private:
   void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);
   void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image);
   vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
-  void DrawPeeled(Picture& picture);
-  void DrawOver(Picture& picture);
+  /// Of several volumes in one view, nearest first: all with one distance between rays.
+  using Pictures = std::vector<std::unique_ptr<Picture>>;
+  static vtkTreeAMRVolumeMapper* MapperOf(const Picture& picture);
+  void StartFrames(const Pictures& pictures);
+  void TraceAll(const Pictures& pictures, const vtkTreeAMRRaySegments& pixels, std::optional<vtkTreeAMRRayImage>& all);
+  void DrawPeeled(const Pictures& pictures);
+  void DrawOver(const Pictures& pictures);
   /// For a selector of props alone.
   void SelectProp(vtkRenderer* renderer, vtkVolume* volume);
   /// False: there was nothing left to draw.

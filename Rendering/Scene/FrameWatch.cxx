@@ -109,7 +109,10 @@ bool FrameWatch::report(double part)
     }
     if (tells)
     {
-      mapper_->InvokeEvent(event_, &part);
+      if (event_ != 0)
+      {
+        mapper_->InvokeEvent(event_, &part);
+      }
       mapper_->UpdateProgress(part);
     }
   }
