@@ -50,7 +50,8 @@ public:
   std::array<double, 3> at(double value) const;
   bool isLogarithmic() const { return isLogarithmic_; }
   bool hasJump() const { return sharpness_ > 0.99; }
-  /// The value where the curve may have a corner, whatever the branch.
+  /// Whether the curve has a corner whatever the branch, and the value there.
+  bool hasCorner() const { return hasWhite_ || midpoint_ != 0.5 || sharpness_ > 0.; }
   double corner() const { return corner_; }
 
 private:

@@ -131,14 +131,23 @@ void LinePieces::sample(const ColorCurve& curve, const ColorPart& part)
   {
     wanted_.push_back(static_cast<float>(i) / gaps);
   }
-  // No neighbour tells of what bends beside an end.
+  // No neighbour tells of what bends beside an end or a corner.
   constexpr float beside = 1.f / 128.f;
   wanted_.push_back(beside);
   wanted_.push_back(1.f - beside);
+  constexpr float nowhere = -1.f;
+  corner_ = nowhere;
   const double corner = (curve.corner() - part.offset - part.begin) / (part.end - part.begin);
-  if (corner > 0. && corner < 1.)
+  if (curve.hasCorner() && corner > 0. && corner < 1.)
   {
-    wanted_.push_back(static_cast<float>(corner));
+    corner_ = static_cast<float>(corner);
+    for (const float place : { corner_, corner_ - beside, corner_ + beside })
+    {
+      if (place > 0.f && place < 1.f)
+      {
+        wanted_.push_back(place);
+      }
+    }
   }
   wantExtinctions(part);
   std::sort(wanted_.begin() + gaps + 1, wanted_.end());
@@ -189,7 +198,7 @@ void LinePieces::addSamples(const ColorCurve& curve, const ColorPart& part)
     left -= count;
     double values[ColorCurve::most];
     float extinctions[ColorCurve::most];
-    float errors[ColorCurve::most];
+    float perError[ColorCurve::most];
     for (std::size_t k = 0; k < count; ++k)
     {
       const double place = wanted_[left + k];
@@ -199,7 +208,7 @@ void LinePieces::addSamples(const ColorCurve& curve, const ColorPart& part)
       // The more opaque, the less it is seen: in a quarter of the unit distance as much.
       const float ofItself =
         std::min(extinctionPart_ / std::sqrt(std::sqrt(static_cast<float>(clear))), 0.25f);
-      errors[k] = std::max(ofItself * extinctions[k], nothing);
+      perError[k] = 1.f / std::max(ofItself * extinctions[k], nothing);
     }
     ColorCurve::Colors colors;
     curve.at(values, count, colors);
@@ -211,7 +220,7 @@ void LinePieces::addSamples(const ColorCurve& curve, const ColorPart& part)
         samples_[--to] = samples_[--from];
       }
       samples_[--to] = { { colors.channel[0][k], colors.channel[1][k], colors.channel[2][k], 0.f }, place,
-        extinctions[k], errors[k], colors.branch[k] };
+        extinctions[k], perError[k], colors.branch[k] };
     }
   }
 }
@@ -219,31 +228,31 @@ void LinePieces::addSamples(const ColorCurve& curve, const ColorPart& part)
 /// Wants samples in gaps beside samples that are off the line of their neighbours.
 bool LinePieces::divideGaps()
 {
-  wanted_.clear();
-  float ofAfter = 0.f; // the error in the gap after the sample before
-  for (std::size_t i = 1; i + 1 < samples_.size(); ++i)
+  const std::size_t count = samples_.size() - 1; // of gaps
+  bends_.assign(count + 1, 0.f);
+  Four before{}; // the slope in the gap before
+  for (std::size_t i = 0; i < count; ++i)
   {
-    const Sample& low = samples_[i - 1];
-    const Sample& middle = samples_[i];
+    const Sample& low = samples_[i];
     const Sample& high = samples_[i + 1];
-    const float before = middle.place - low.place;
-    const float after = high.place - middle.place;
-    const Four color = std::bit_cast<Four>(low.color);
-    const Four off = color + before / (before + after) * (std::bit_cast<Four>(high.color) - color) -
-      std::bit_cast<Four>(middle.color);
-    const bool isOneBranch = low.branch == middle.branch && middle.branch == high.branch;
-    const float error = isOneBranch ? largestOf(off) : 0.f;
-    // What bends alike is off in a gap as the gap's width squared.
-    const float ofGap = std::max(ofAfter, error * before / after);
-    ofAfter = error * after / before;
-    if (ofGap > betweenNeighbours)
+    const Four slope =
+      (std::bit_cast<Four>(high.color) - std::bit_cast<Four>(low.color)) / (high.place - low.place);
+    if (i > 0 && samples_[i - 1].branch == low.branch && low.branch == high.branch && low.place != corner_)
     {
-      divideGap(i - 1, ofGap);
+      bends_[i] = largestOf(slope - before) / (high.place - samples_[i - 1].place);
     }
+    before = slope;
   }
-  if (ofAfter > betweenNeighbours)
+  wanted_.clear();
+  for (std::size_t i = 0; i < count; ++i)
   {
-    divideGap(samples_.size() - 2, ofAfter);
+    // What bends alike is off in a gap as the gap's width squared.
+    const float width = samples_[i + 1].place - samples_[i].place;
+    const float error = std::max(bends_[i], bends_[i + 1]) * width * width;
+    if (error > betweenNeighbours)
+    {
+      divideGap(i, error);
+    }
   }
   return !wanted_.empty();
 }
@@ -255,12 +264,9 @@ void LinePieces::divideGap(std::size_t gap, float error)
   constexpr float narrowest = 1.f / 8192.f;
   const float begin = samples_[gap].place;
   const float width = samples_[gap + 1].place - begin;
-  int parts = 1;
-  for (; error > betweenNeighbours && parts < most && width > narrowest * static_cast<float>(parts);
-       error *= 0.25f)
-  {
-    parts *= 2;
-  }
+  // Each errs by the square of its part.
+  const auto asked = 1 + static_cast<int>(std::sqrt(error / betweenNeighbours));
+  const int parts = std::min({ asked, most, 1 + static_cast<int>(width / narrowest) });
   for (int i = 1; i < parts; ++i)
   {
     wanted_.push_back(begin + width * (static_cast<float>(i) / static_cast<float>(parts)));
@@ -384,21 +390,21 @@ LinePieces::Fit LinePieces::fit(const Sample& a, std::size_t first, std::size_t 
   const Sample* const begin = &samples_[first / steps + 1];
   const Sample* const end = &samples_[(last + steps - 1) / steps];
   const Sample* afterPeak = begin;
-  bool areExtinctionsClose = true;
+  float ofExtinctions = 0.f;
   for (const Sample* sample = begin; sample < end; ++sample)
   {
     const float along = alongTo(*sample);
     afterPeak += along < peak ? 1 : 0;
     const float extinction = a.extinction + along * slope;
-    areExtinctionsClose &= std::abs(extinction - sample->extinction) <= sample->error;
+    ofExtinctions = std::max(ofExtinctions, std::abs(extinction - sample->extinction) * sample->perError);
     const float shown = along * b.extinction / std::max(extinction, std::numeric_limits<float>::min());
     const Four toCurve = color - std::bit_cast<Four>(sample->color);
     lines.add(toCurve + along * change);
     products.add(toCurve + shown * change);
   }
-  if (!areExtinctionsClose)
+  if (ofExtinctions > 1.f)
   {
-    return { false, std::numeric_limits<float>::infinity(), {} };
+    return { false, ofExtinctions, {} };
   }
   // Of the lines themselves nothing is off at both ends.
   const bool isLast = afterPeak >= end;
@@ -419,7 +425,7 @@ LinePieces::Fit LinePieces::fit(const Sample& a, std::size_t first, std::size_t 
   }
   lines.add(products.least + moved);
   lines.add(products.most + moved);
-  const float ofAllowed = largestOf(lines.most - lines.least) / (2.f * tolerance);
+  const float ofAllowed = std::max(largestOf(lines.most - lines.least) / (2.f * tolerance), ofExtinctions);
   return { ofAllowed <= 1.f, ofAllowed,
     std::bit_cast<std::array<float, 4>>(-0.5f * (lines.least + lines.most)) };
 }

@@ -60,7 +60,7 @@ private:
     std::array<float, 4> color;
     float place;      // 0 to 1 in the part
     float extinction; // over the unit distance
-    float error;      // that this may have
+    float perError;   // 1 / what this may be off by
     std::int32_t branch;
   };
   /// A gap in which the branch changes.
@@ -74,7 +74,8 @@ private:
   struct Fit
   {
     bool isClose;
-    /// How far its colours are off to either side, of what they may be; infinite where its extinctions are too far off.
+    /// How far its colours are off to either side, or its extinctions, of what they may be; at least, where that is more
+    /// than 1.
     float ofAllowed;
     /// What it may be moved by, so that it errs to either side alike.
     std::array<float, 4> shift;
@@ -95,7 +96,9 @@ private:
 
   float extinctionPart_;
   double unitDistance_ = 1.;
+  float corner_ = 0.f; // place of the curve's own
   std::vector<Sample> samples_; // in order of their places
+  std::vector<float> bends_;    // at samples: by how much slopes change per place, halved
   std::vector<Corner> corners_;
   std::vector<float> wanted_; // places of more samples, in order
   std::vector<LinePiece> pieces_;

@@ -2,6 +2,8 @@
 
 #include "Field/Emission.h"
 
+#include <oneapi/tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -42,13 +44,9 @@ double colorChange(const Entry& a, const Entry& b)
     : 0.;
 }
 
-/// A function's nodes, or its entries as nodes.
-std::vector<Node> nodesOf(const TransferFunction& transferFunction)
+/// A function's entries as nodes.
+std::vector<Node> entriesAsNodes(const TransferFunction& transferFunction)
 {
-  if (!transferFunction.nodes().empty())
-  {
-    return transferFunction.nodes();
-  }
   const std::vector<Entry>& entries = transferFunction.entries();
   std::vector<Node> nodes;
   if (transferFunction.scale() == 0.)
@@ -131,9 +129,10 @@ void divideEvenly(const Entry& a, const Entry& b, double tolerance, const Add& a
 /// Moves both entries' colours, so that a line of products errs to either side alike.
 void moveProducts(Entry& a, Entry& b)
 {
+  const float ofChange = shiftOfProducts(1.f, a.extinction, b.extinction);
   for (float Entry::*color : { &Entry::r, &Entry::g, &Entry::b })
   {
-    const float shift = shiftInTables(shiftOfProducts(b.*color - a.*color, a.extinction, b.extinction));
+    const float shift = shiftInTables(ofChange * (b.*color - a.*color));
     a.*color += shift;
     b.*color += shift;
   }
@@ -208,7 +207,9 @@ bool IntegralTable::needsDoubles(const TransferFunction& transferFunction)
 IntegralTable::IntegralTable(
   const TransferFunction& transferFunction, double unit, double mostExtinction, double smallestLeaf)
 {
-  const std::vector<Node> nodes = nodesOf(transferFunction);
+  const bool hasNodes = !transferFunction.nodes().empty();
+  const std::vector<Node> ofEntries = hasNodes ? std::vector<Node>() : entriesAsNodes(transferFunction);
+  const std::vector<Node>& nodes = hasNodes ? transferFunction.nodes() : ofEntries;
   reference_ = referenceOf(nodes);
   // Places are values unless floats would leave their range: then as large as may be, so that decades fit below.
   const int magnitude = magnitudeOf(nodes);
@@ -224,11 +225,22 @@ IntegralTable::IntegralTable(
   isOfMany_ = nodes.size() >= manyNodes;
   sharing_ = isOfMany_ ? sharingOfMany : 0;
   const std::vector<Station> stations = makeStations(transferFunction, nodes, unit);
-  makeRows(stations, mostInSums);
-  makeFinestSteps(stations, smallestLeaf);
-  const Index linear = indexBy(false);
-  Index bits = indexBy(true);
-  index_ = bits.halvings < linear.halvings ? std::move(bits) : linear;
+  const auto makeRowsWithIndex = [&] {
+    makeRows(stations, mostInSums);
+    const Index linear = indexBy(false);
+    Index bits = indexBy(true);
+    index_ = bits.halvings < linear.halvings ? std::move(bits) : linear;
+  };
+  const auto makeSteps = [&] { makeFinestSteps(stations, smallestLeaf); };
+  if (isOfMany_)
+  {
+    tbb::parallel_invoke(makeRowsWithIndex, makeSteps);
+  }
+  else
+  {
+    makeRowsWithIndex();
+    makeSteps();
+  }
   places_.insert(places_.end(), std::size_t(1) << index_.halvings, std::numeric_limits<float>::infinity());
   places_.shrink_to_fit();
 }
@@ -249,11 +261,14 @@ void IntegralTable::thin(std::vector<Station>& stations, double tolerance)
     const Station& station = stations[i];
     const EmissionTerms terms = termsOf(station.below);
     bool follows = i > 0;
-    for (int c = 0; follows && c < 4; ++c)
+    if (i > 0)
     {
-      const double slope =
-        (terms[c] - anchor[c]) / (static_cast<double>(station.place) - stations[count - 1].place);
-      follows = slope >= least[c] && slope <= most[c];
+      const double perWidth = 1. / (static_cast<double>(station.place) - stations[count - 1].place);
+      for (int c = 0; c < 4; ++c)
+      {
+        const double slope = (terms[c] - anchor[c]) * perWidth;
+        follows &= slope >= least[c] && slope <= most[c];
+      }
     }
     if (i > 0 && !follows && stations[i - 1].place > stations[count - 1].place)
     {
@@ -271,12 +286,13 @@ void IntegralTable::thin(std::vector<Station>& stations, double tolerance)
     }
     if (last < station.place)
     {
-      const double width = static_cast<double>(station.place) - last;
-      const double error = tolerance * station.below.extinction;
+      const double perWidth = 1. / (static_cast<double>(station.place) - last);
+      const double error = tolerance * station.below.extinction * perWidth;
       for (int c = 0; c < 4; ++c)
       {
-        least[c] = std::max(least[c], (terms[c] - error - anchor[c]) / width);
-        most[c] = std::min(most[c], (terms[c] + error - anchor[c]) / width);
+        const double slope = (terms[c] - anchor[c]) * perWidth;
+        least[c] = std::max(least[c], slope - error);
+        most[c] = std::min(most[c], slope + error);
       }
     }
   }
@@ -319,11 +335,12 @@ std::vector<IntegralTable::Station> IntegralTable::makeStations(
   const double tolerance = isOfMany_ ? colorsOfMany : 1. / 2048.;
   std::vector<Station> stations;
   stations.reserve(2 * nodes.size());
+  const double scale = unit / unscale_;
   const auto add = [&](double value, const Entry& below, const Entry& above) {
     Station station{ toFloat(placeOf(value)), below, above };
     for (Entry* entry : { &station.below, &station.above })
     {
-      entry->extinction = static_cast<float>(std::min<double>(entry->extinction * unit / unscale_, densest));
+      entry->extinction = static_cast<float>(std::min<double>(entry->extinction * scale, densest));
     }
     if (!stations.empty() && station.place <= stations.back().place)
     {
@@ -393,6 +410,8 @@ void IntegralTable::makeRows(const std::vector<Station>& stations, double mostIn
   EmissionTerms sum{};
   double colors = 0.;
   double variation = 0.;
+  EmissionTerms own = termsOf(stations.front().below);
+  EmissionTerms ownInSums = termsOf(stations.front().below, mostInSums);
   for (std::size_t r = 0; r <= count; ++r)
   {
     const bool isInside = r > 0 && r < count;
@@ -400,11 +419,10 @@ void IntegralTable::makeRows(const std::vector<Station>& stations, double mostIn
     const Entry& end = isInside ? stations[r].below : begin;
     const Entry& next = r < count ? stations[r].above : end;
     const double width = isInside ? static_cast<double>(stations[r].place) - stations[r - 1].place : 0.;
-    const EmissionTerms own = termsOf(begin);
     const EmissionTerms atEnd = termsOf(end);
-    const EmissionTerms ownInSums = termsOf(begin, mostInSums);
-    const EmissionTerms endInSums = termsOf(end, mostInSums);
-    const EmissionTerms nextInSums = termsOf(next, mostInSums);
+    const EmissionTerms endInSums = end.extinction > mostInSums ? termsOf(end, mostInSums) : atEnd;
+    const EmissionTerms ofNext = termsOf(next);
+    const EmissionTerms nextInSums = next.extinction > mostInSums ? termsOf(next, mostInSums) : ofNext;
     Row& row = rows_[r];
     double change = 0.;
     double jump = 0.;
@@ -423,6 +441,8 @@ void IntegralTable::makeRows(const std::vector<Station>& stations, double mostIn
     {
       variation_.push_back(variation);
     }
+    own = ofNext;
+    ownInSums = nextInSums;
     const double ofRow = colorChange(begin, end);
     colorChanges_.push_back({ static_cast<float>(colors), width > 0. ? toFloat(ofRow / width) : 0.f });
     colors += ofRow + (end.extinction > 0.f && next.extinction > 0.f ? colorChange(end, next) : 0.);
