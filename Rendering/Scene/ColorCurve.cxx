@@ -153,6 +153,27 @@ Coordinates toMsh(const double* rgb)
   return { magnitude, saturation, saturation > least ? std::atan2(lab[2], lab[1]) : 0. };
 }
 
+Coordinates coordinatesOf(ColorCurve::Space space, const Coordinates& rgb)
+{
+  Coordinates result = rgb;
+  switch (space)
+  {
+    case ColorCurve::Space::Rgb:
+      break;
+    case ColorCurve::Space::Hsv:
+    case ColorCurve::Space::WrappedHsv:
+      vtkMath::RGBToHSV(rgb.data(), result.data());
+      break;
+    case ColorCurve::Space::Lab:
+      vtkMath::RGBToLab(rgb.data(), result.data());
+      break;
+    case ColorCurve::Space::Diverging:
+      result = toMsh(rgb.data());
+      break;
+  }
+  return result;
+}
+
 constexpr double unsaturated = 0.05;
 
 /// Gives a colour without saturation the hue from which the other one is reached.
@@ -173,7 +194,7 @@ void adjustHue(Coordinates& color, const Coordinates& other)
 
 } // namespace
 
-ColorCurve::ColorCurve(const Ends& ends)
+ColorCurve::ColorCurve(const Ends& ends, const ColorCurve* before)
   : space_(ends.space)
   , isLogarithmic_(ends.isLogarithmic)
   , midpoint_(std::clamp(ends.a[4], 0.00001, 0.99999))
@@ -182,13 +203,17 @@ ColorCurve::ColorCurve(const Ends& ends)
   const auto& [space, isLogarithmic, a, b] = ends;
   begin_ = isLogarithmic ? std::log(a[0]) : a[0];
   perWidth_ = 1. / ((isLogarithmic ? std::log(b[0]) : b[0]) - begin_);
-  Coordinates first{ a[1], a[2], a[3] };
-  Coordinates last{ b[1], b[2], b[3] };
+  const Coordinates firstColor{ a[1], a[2], a[3] };
+  lastColor_ = { b[1], b[2], b[3] };
   for (int c = 0; c < 3; ++c)
   {
-    color_[0][c] = static_cast<float>(first[c]);
-    color_[1][c] = static_cast<float>(last[c]);
+    color_[0][c] = static_cast<float>(firstColor[c]);
+    color_[1][c] = static_cast<float>(lastColor_[c]);
   }
+  const bool isKnown = before && before->lastColor_ == firstColor;
+  Coordinates first = isKnown ? before->lastCoordinates_ : coordinatesOf(space, firstColor);
+  lastCoordinates_ = coordinatesOf(space, lastColor_);
+  Coordinates last = lastCoordinates_;
   const auto set = [](Half& half, const Coordinates& from, const Coordinates& to) {
     for (int c = 0; c < 3; ++c)
     {
@@ -196,46 +221,29 @@ ColorCurve::ColorCurve(const Ends& ends)
       half.change[c] = static_cast<float>(to[c] - from[c]);
     }
   };
-  switch (space)
+  if (space == Space::WrappedHsv && std::abs(first[0] - last[0]) > 0.5)
   {
-    case Space::Rgb:
-      break;
-    case Space::Hsv:
-    case Space::WrappedHsv:
-      vtkMath::RGBToHSV(&a[1], first.data());
-      vtkMath::RGBToHSV(&b[1], last.data());
-      if (space == Space::WrappedHsv && std::abs(first[0] - last[0]) > 0.5)
-      {
-        (first[0] > last[0] ? first : last)[0] -= 1.;
-      }
-      break;
-    case Space::Lab:
-      vtkMath::RGBToLab(&a[1], first.data());
-      vtkMath::RGBToLab(&b[1], last.data());
-      break;
-    case Space::Diverging:
+    (first[0] > last[0] ? first : last)[0] -= 1.;
+  }
+  if (space == Space::Diverging)
+  {
+    const double angle = std::abs(first[2] - last[2]);
+    hasWhite_ = first[1] > unsaturated && last[1] > unsaturated &&
+      std::min(angle, 2. * std::numbers::pi - angle) > 0.33 * std::numbers::pi;
+    if (hasWhite_)
     {
-      first = toMsh(&a[1]);
-      last = toMsh(&b[1]);
-      const double angle = std::abs(first[2] - last[2]);
-      hasWhite_ = first[1] > unsaturated && last[1] > unsaturated &&
-        std::min(angle, 2. * std::numbers::pi - angle) > 0.33 * std::numbers::pi;
-      if (hasWhite_)
-      {
-        const Coordinates white{ std::max({ first[0], last[0], 88. }), 0., 0. };
-        Coordinates before = white;
-        Coordinates after = white;
-        adjustHue(before, first);
-        adjustHue(after, last);
-        set(halves_[0], first, before);
-        set(halves_[1], after, last);
-      }
-      else
-      {
-        adjustHue(first, last);
-        adjustHue(last, first);
-      }
-      break;
+      const Coordinates white{ std::max({ first[0], last[0], 88. }), 0., 0. };
+      Coordinates below = white;
+      Coordinates above = white;
+      adjustHue(below, first);
+      adjustHue(above, last);
+      set(halves_[0], first, below);
+      set(halves_[1], above, last);
+    }
+    else
+    {
+      adjustHue(first, last);
+      adjustHue(last, first);
     }
   }
   if (!hasWhite_)

@@ -34,7 +34,8 @@ public:
     ColorNode b;
   };
 
-  explicit ColorCurve(const Ends& ends);
+  /// before: null or a curve of the same space, of which what it has of its last node is taken if it is the first here.
+  explicit ColorCurve(const Ends& ends, const ColorCurve* before = nullptr);
 
   /// Values at once at most.
   static constexpr std::size_t most = 64;
@@ -75,6 +76,8 @@ private:
   };
   Half halves_[2] = {};
   float color_[2][3] = {}; // of the nodes
+  std::array<double, 3> lastColor_{};
+  std::array<double, 3> lastCoordinates_{}; // in the space
 };
 
 } // namespace treeamr

@@ -91,7 +91,8 @@ bool LinePieces::canFollow(const ColorCurve& curve, const ColorPart& part)
 
 const std::vector<LinePiece>& LinePieces::follow(const ColorPart& part)
 {
-  const ColorCurve curve(part.curve);
+  const ColorCurve curve(part.curve, curve_ ? &*curve_ : nullptr);
+  curve_ = curve;
   pieces_.clear();
   if (!canFollow(curve, part))
   {
@@ -440,7 +441,7 @@ std::size_t LinePieces::longest(std::size_t first, std::size_t expected, Fit& fi
   std::size_t next = expected;
   std::size_t step = steps / 2;
   constexpr int guesses = 4;
-  constexpr float enough = 0.5f; // of a step, to go without a try
+  constexpr float enough = 0.75f; // of a step, to go without a try
   for (int tries = 1; close + 1 < far; ++tries)
   {
     next = std::clamp(next, close + 1, far - 1);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -95,6 +96,7 @@ private:
   TransferFunction::Entry entryOf(const Sample& sample, const std::array<float, 4>& shift = {}) const;
 
   float extinctionPart_;
+  std::optional<ColorCurve> curve_; // of the part
   double unitDistance_ = 1.;
   float corner_ = 0.f; // place of the curve's own
   std::vector<Sample> samples_; // in order of their places

@@ -10,12 +10,14 @@
 #include "Support/CornerFunction.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
+#include "Support/RefinedTrees.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -689,6 +691,59 @@ TEST(Contour, GradientsAreThoseBetweenVertices)
   }
   EXPECT_LT(worst, 1e-5);
   EXPECT_GT(checked, 250);
+}
+
+TEST(Contour, GradientsConvergeWhereLevelsAreFourApart)
+{
+  const BaseTree tree = makeBaseTrees().back();
+  for (const AnalyticSurface& surface : makeAnalyticSurfaces())
+  {
+    constexpr int steps = 3;
+    constexpr int coarsest = 3;
+    std::array<double, steps> largest{};
+    std::array<double, steps> mean{};
+    for (int step = 0; step < steps; ++step)
+    {
+      const auto field = makeFieldNear(tree, coarsest + step, surface);
+      const ContourMesh mesh = contour(*field, surface.isovalue, { .gradients = true });
+      double ofAngles = 0.;
+      for (std::size_t i = 0; i < mesh.points.size(); ++i)
+      {
+        const Point exact = gradientOf(surface.field, mesh.points[i]);
+        const Point off = minus(mesh.gradients[i], exact);
+        const double error = std::sqrt(dot(off, off)); // of a unit vector
+        largest[step] = std::max(largest[step], error);
+        mean[step] += error / static_cast<double>(mesh.points.size());
+        ofAngles = std::max(ofAngles, degreesBetween(mesh.gradients[i], exact));
+      }
+      std::printf("%s, refined %d times: largest %.4f, mean %.5f, largest angle %.3f degrees\n", surface.name,
+        coarsest + step, largest[step], mean[step], ofAngles);
+    }
+    const double ofLargest = std::log2(largest[0] / largest[steps - 1]) / (steps - 1);
+    const double ofMean = std::log2(mean[0] / mean[steps - 1]) / (steps - 1);
+    std::printf("orders %.2f, %.2f\n", ofLargest, ofMean);
+    EXPECT_GE(ofLargest, 1.) << surface.name;
+    EXPECT_GE(ofMean, 1.6) << surface.name;
+  }
+}
+
+TEST(Contour, RefinementFarFromTheSurfaceDoesNotMatter)
+{
+  const BaseTree tree = makeBaseTrees().back();
+  const AnalyticSurface surface = makeAnalyticSurfaces().front();
+  constexpr int refinement = 2;
+  const ContourMesh near =
+    contour(*makeFieldNear(tree, refinement, surface), surface.isovalue, { .gradients = true });
+  const ContourMesh all =
+    contour(*makeField(tree, refinement, surface.field), surface.isovalue, { .gradients = true });
+  ASSERT_EQ(near.points.size(), all.points.size());
+  double worst = 0.;
+  for (std::size_t i = 0; i < all.points.size(); ++i)
+  {
+    const Point off = minus(near.gradients[i], all.gradients[i]);
+    worst = std::max(worst, std::sqrt(dot(off, off)));
+  }
+  EXPECT_LT(worst, 1e-5);
 }
 
 TEST(Contour, DoesNotDependOnTheNumberOfThreads)

@@ -31,12 +31,24 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 struct SurfaceErrors
 {
   ErrorNorms distance;
-  ErrorNorms angle; // degrees
+  ErrorNorms angle;    // degrees
+  ErrorNorms gradient; // of a unit vector
 
   /// normal: of any length, towards higher values.
   void add(const AnalyticSurface& surface, const Vec3& p, const Vec3& normal)
   {
+    addAngle(surface, p, normal, gradientOf(surface.field, p));
+  }
+  void addGradient(const AnalyticSurface& surface, const Vec3& p, const Vec3& ofField)
+  {
     const Vec3 exact = gradientOf(surface.field, p);
+    addAngle(surface, p, ofField, exact);
+    gradient.add(std::hypot(ofField[0] - exact[0], ofField[1] - exact[1], ofField[2] - exact[2]));
+  }
+
+private:
+  void addAngle(const AnalyticSurface& surface, const Vec3& p, const Vec3& normal, const Vec3& exact)
+  {
     distance.add(std::abs(surface.field(p) - surface.isovalue));
     angle.add(degreesBetween(normal, exact));
   }
@@ -173,7 +185,7 @@ std::vector<Result> measureContour(const Field& field, const AnalyticSurface& su
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
   {
     const auto& [x, y, z] = mesh.gradients[i];
-    vertices.errors.add(surface, mesh.points[i], { x, y, z });
+    vertices.errors.addGradient(surface, mesh.points[i], { x, y, z });
   }
   forEvenPoints(mesh, 200000, [&](const std::array<std::int64_t, 3>& t, const Vec3& weights) {
     Vec3 p{};
@@ -207,13 +219,16 @@ struct History
 {
   std::vector<ErrorNorms> distance;
   std::vector<ErrorNorms> angle;
+  std::vector<ErrorNorms> gradient;
 };
 
 std::vector<bench::Figure> errorFigures(
   const BaseTree& tree, int refinement, double cells, const Result& result)
 {
   const double h = tree.finestWidth(refinement);
-  const auto& [distance, angle] = result.errors;
+  const ErrorNorms& distance = result.errors.distance;
+  const ErrorNorms& angle = result.errors.angle;
+  const ErrorNorms& gradient = result.errors.gradient;
   return {
     { "refinement", static_cast<double>(refinement) },
     { "h", h, "h", 5 },
@@ -228,6 +243,8 @@ std::vector<bench::Figure> errorFigures(
     { "distance_mean_h", distance.mean() / h, "mean/h", 5 },
     { "angle_max_degrees", angle.max(), "max degrees", 3 },
     { "angle_mean_degrees", angle.mean(), "mean degrees", 4 },
+    { "gradient_max", gradient.count() > 0 ? gradient.max() : none, "of gradients", 4 },
+    { "gradient_mean", gradient.mean(), "mean", 5 },
     { "jump_degrees", result.jump, "jump", 5 },
     { "jump_of_pieces_degrees", result.jumpOfPieces, "of pieces", 1 },
     { "triangles", result.triangles, "triangles" },
@@ -264,16 +281,20 @@ void measureSurface(const BaseTree& tree, const AnalyticSurface& surface, int re
         errorFigures(tree, refinement, cells, result), labels(result.method) });
       histories[result.method].distance.push_back(result.errors.distance);
       histories[result.method].angle.push_back(result.errors.angle);
+      histories[result.method].gradient.push_back(result.errors.gradient);
     }
   }
   for (const auto& [method, history] : histories)
   {
     const ConvergenceOrder distance = fittedOrder(history.distance);
     const ConvergenceOrder angle = fittedOrder(history.angle);
+    const ConvergenceOrder gradient = fittedOrder(history.gradient);
     orderRows.push_back({ tree.name,
       { { "order_distance_max", distance.ofMax, "distance max", 2 },
         { "order_distance_mean", distance.ofMean, "mean", 2 },
-        { "order_angle_max", angle.ofMax, "angle max", 2 }, { "order_angle_mean", angle.ofMean, "mean", 2 } },
+        { "order_angle_max", angle.ofMax, "angle max", 2 }, { "order_angle_mean", angle.ofMean, "mean", 2 },
+        { "order_gradient_max", gradient.ofMax, "gradient max", 2 },
+        { "order_gradient_mean", gradient.ofMean, "mean", 2 } },
       labels(method) });
   }
 }

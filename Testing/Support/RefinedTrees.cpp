@@ -61,9 +61,60 @@ std::vector<BaseTree> makeBaseTrees()
     make("four-levels", 4, 0.25, false) };
 }
 
+namespace
+{
+
+constexpr double rootWidth = 1. / BaseTree::roots;
+
+double widthOf(const CellId& cell)
+{
+  return std::ldexp(rootWidth, -cell.level);
+}
+
+Vec3 centreOf(const CellId& cell)
+{
+  Vec3 centre;
+  for (int a = 0; a < 3; ++a)
+  {
+    centre[a] = widthOf(cell) * (static_cast<double>(cell.index[a]) + 0.5);
+  }
+  return centre;
+}
+
+std::shared_ptr<Field> makeField(std::vector<LeafCell> cells)
+{
+  auto built = buildOctree(RootGrid::uniform({ BaseTree::roots, BaseTree::roots, BaseTree::roots },
+                             { 0., 0., 0. }, { rootWidth, rootWidth, rootWidth }),
+    std::move(cells));
+  return std::make_shared<Field>(built.octree, std::move(built.values));
+}
+
+/// Divides a cell so many times, but parts of it farther from the surface than `margin`.
+void divideNear(
+  const CellId& cell, int times, const AnalyticSurface& surface, double margin, std::vector<LeafCell>& cells)
+{
+  const double distance = surface.field(centreOf(cell)) - surface.isovalue;
+  const double halfDiagonal = 0.5 * std::sqrt(3.) * widthOf(cell);
+  if (times == 0 || std::abs(distance) > halfDiagonal + margin)
+  {
+    cells.push_back({ cell, static_cast<float>(surface.field(centreOf(cell))) });
+    return;
+  }
+  for (int child = 0; child < 8; ++child)
+  {
+    CellId part{ {}, cell.level + 1 };
+    for (int a = 0; a < 3; ++a)
+    {
+      part.index[a] = 2 * cell.index[a] + (child >> a & 1);
+    }
+    divideNear(part, times - 1, surface, margin, cells);
+  }
+}
+
+} // namespace
+
 std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const AnalyticField& values)
 {
-  constexpr double rootWidth = 1. / BaseTree::roots;
   const Coord count = Coord(1) << refinement; // of cells in a leaf along each axis
   std::vector<LeafCell> cells;
   cells.reserve(tree.cells.size() << 3 * refinement);
@@ -73,19 +124,26 @@ std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const Ana
     {
       const std::array<Coord, 3> at{ i % count, i / count % count, i / (count * count) };
       CellId cell{ {}, leaf.cell.level + refinement };
-      Vec3 centre;
       for (int a = 0; a < 3; ++a)
       {
         cell.index[a] = (leaf.cell.index[a] << refinement) + at[a];
-        centre[a] = std::ldexp(rootWidth * (static_cast<double>(cell.index[a]) + 0.5), -cell.level);
       }
-      cells.push_back({ cell, static_cast<float>(values(centre)) });
+      cells.push_back({ cell, static_cast<float>(values(centreOf(cell))) });
     }
   }
-  auto built = buildOctree(RootGrid::uniform({ BaseTree::roots, BaseTree::roots, BaseTree::roots },
-                             { 0., 0., 0. }, { rootWidth, rootWidth, rootWidth }),
-    std::move(cells));
-  return std::make_shared<Field>(built.octree, std::move(built.values));
+  return makeField(std::move(cells));
+}
+
+std::shared_ptr<Field> makeFieldNear(const BaseTree& tree, int refinement, const AnalyticSurface& surface)
+{
+  constexpr double largestCells = 4.; // what vertex gradients at the surface are made of lies within three of these
+  const double margin = largestCells * std::ldexp(rootWidth, -refinement);
+  std::vector<LeafCell> cells;
+  for (const LeafCell& leaf : tree.cells)
+  {
+    divideNear(leaf.cell, refinement, surface, margin, cells);
+  }
+  return makeField(std::move(cells));
 }
 
 } // namespace treeamr::test

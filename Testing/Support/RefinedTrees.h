@@ -53,4 +53,7 @@ std::vector<BaseTree> makeBaseTrees();
 /// Every leaf refined so many times; values are those at the cells' centres.
 std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const AnalyticField& values);
 
+/// The same where it matters to the surface, and much fewer cells: those farther from it are as large as may be.
+std::shared_ptr<Field> makeFieldNear(const BaseTree& tree, int refinement, const AnalyticSurface& surface);
+
 } // namespace treeamr::test

@@ -40,6 +40,73 @@ bool fits(const Field& field, const TransferFunction& transferFunction, double p
     !(reach * scale > farthestPlace) && !IntegralTable::needsDoubles(transferFunction);
 }
 
+/// The function at a value, found from a node near to it.
+TransferFunction::Entry entryNear(
+  const std::vector<TransferFunction::Node>& nodes, std::size_t near, double value)
+{
+  std::size_t next = near;
+  while (next > 0 && nodes[next - 1].value > value)
+  {
+    --next;
+  }
+  while (next < nodes.size() && nodes[next].value <= value)
+  {
+    ++next;
+  }
+  if (next == 0 || next == nodes.size())
+  {
+    return next == 0 ? nodes.front().below : nodes.back().above;
+  }
+  const TransferFunction::Node& a = nodes[next - 1];
+  const TransferFunction::Node& b = nodes[next];
+  return TransferFunction::between(
+    a.above, b.below, static_cast<float>((value - a.value) / (b.value - a.value)));
+}
+
+/// Whether peaks that are seen are so narrow that places of the field have few digits in them as floats. diagonal: of the
+/// domain.
+bool hasNarrowPeaks(const Field& field, const TransferFunction& transferFunction, double diagonal)
+{
+  const std::vector<TransferFunction::Node>& nodes = transferFunction.nodes();
+  if (nodes.empty())
+  {
+    return false;
+  }
+  constexpr double part = 0x1p-14;
+  constexpr double leastDepth = 1. / 64.; // where the field crosses all of that once on the way
+  const double all = std::min(
+    static_cast<double>(field.range().max) - field.range().min, nodes.back().value - nodes.front().value);
+  const double width = part * all;
+  const double seen = leastDepth * all / diagonal;
+  const auto termsOf = [](const TransferFunction::Entry& e) {
+    return std::array{ e.extinction * e.r, e.extinction * e.g, e.extinction * e.b, e.extinction };
+  };
+  for (std::size_t i = 0; i + 1 < nodes.size(); ++i)
+  {
+    const TransferFunction::Node& low = nodes[i];
+    const TransferFunction::Node& high = nodes[i + 1];
+    const double between = high.value - low.value;
+    if (!(between < width) || std::max(low.above.extinction, high.below.extinction) * between < seen)
+    {
+      continue;
+    }
+    const auto before = termsOf(entryNear(nodes, i, low.value - width));
+    const auto begin = termsOf(low.above);
+    const auto end = termsOf(high.below);
+    const auto after = termsOf(entryNear(nodes, i + 1, high.value + width));
+    for (int c = 0; c < 4; ++c)
+    {
+      const double largest = std::max(begin[c], end[c]);
+      const double beside = std::max(before[c], after[c]);
+      if (largest > 2. * beside && (largest - beside) * between >= seen)
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 } // namespace
 
 double relativeLeafWidth(const RootGrid& grid, int level)
@@ -62,7 +129,8 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
   // Opaque across a millionth of the smallest leaf: more would only cost the integrals their digits.
   , mostExtinction_(1e6 / smallestLeaf_)
 {
-  fitsSinglePrecision = fits(field, transferFunction, perEntry);
+  fitsSinglePrecision =
+    fits(field, transferFunction, perEntry) && !hasNarrowPeaks(field, transferFunction, diagonal_);
   const std::size_t size = (transferFunction.entries().size() - 1) * static_cast<std::size_t>(perEntry) + 1;
   last = static_cast<float>(size - 1);
   entries.resize(size);
