@@ -106,8 +106,8 @@ TEST_F(SeveralVolumesTest, besideEachOtherFromAllSides)
 TEST_F(SeveralVolumesTest, centresSayNothing)
 {
   // A plate whose centre is farther than that of the cube behind it.
-  vtkVolume* cube = this->add(red, { 0., 0., -0.6 });
   vtkVolume* plate = this->add(green, { 6., 0., 0.1 });
+  vtkVolume* cube = this->add(red, { 0., 0., -0.6 });
   plate->SetScale(7., 0.5, 0.1);
   vtkCamera* camera = scene.renderer->GetActiveCamera();
   camera->SetPosition(-0.2, 0.1, 3.);
