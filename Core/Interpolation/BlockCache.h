@@ -38,8 +38,11 @@ public:
   /// For one field, as BlockStore.
   BlockCache(const Field& field, std::size_t budgetBytes)
     : store_(field, budgetBytes)
+    , budget_(budgetBytes)
   {
   }
+
+  std::size_t budget() const noexcept { return budget_; }
 
   struct Found
   {
@@ -83,6 +86,7 @@ public:
 
 private:
   BlockStore<Chunk> store_;
+  std::size_t budget_;
 };
 
 } // namespace treeamr

@@ -114,14 +114,24 @@ void check(const RayView& view, const VolumeSettings& settings)
   }
   view.stops.check(view.camera, "volume");
   const bool isComposite = settings.blend == VolumeBlend::Composite;
-  if (view.stops.hits && !isComposite)
+  if (view.stops.hits && blendsValues(settings.blend))
   {
-    throw Error("volume: surfaces in a blend of values, allowed in composites alone");
+    throw Error("volume: surfaces in a blend of values, allowed in composites and slices alone");
   }
   if (!isComposite && (!(settings.unitDistance > 0.) || !std::isfinite(settings.unitDistance)))
   {
     throw Error("volume: a unit distance of " + std::to_string(settings.unitDistance) +
       ", allowed are lengths above 0");
+  }
+  if (settings.blend == VolumeBlend::Slice)
+  {
+    const auto& [normal, offset] = settings.slice;
+    if (!std::isfinite(dot(normal, normal)) || !(dot(normal, normal) > 0.) || !std::isfinite(offset))
+    {
+      throw Error("volume: a slice by the normal " + std::to_string(normal[0]) + " " +
+        std::to_string(normal[1]) + " " + std::to_string(normal[2]) + " at " + std::to_string(offset) +
+        ", allowed are finite numbers, not all of the normal 0");
+    }
   }
   if (std::isnan(settings.averageRange.min) || std::isnan(settings.averageRange.max))
   {
@@ -170,13 +180,20 @@ Volume::Volume(std::shared_ptr<const Field> field, TransferFunction transferFunc
   check(*field_, transferFunction_);
 }
 
-/// Another field that colours.
-struct Volume::Colors
+/// Other fields that take part, and the same of the volume's own where it is one of several.
+struct Volume::Mixture
 {
-  std::shared_ptr<const Field> field;
-  TransferFunction function; // of extinction 1: the kernel's tables have the colours of what is seen
-  std::unique_ptr<VolumeTable> table{};
-  std::unique_ptr<BlockCache> kept{};
+  struct Part
+  {
+    std::shared_ptr<const Field> field;
+    TransferFunction function;
+    std::unique_ptr<VolumeTable> table{}; // with integrals
+    std::unique_ptr<BlockCache> kept{};   // null: the volume's own
+  };
+
+  VolumeMixing mixing;
+  std::vector<Part> parts;
+  std::array<float, 4> weights{};
 };
 
 namespace
@@ -198,32 +215,107 @@ Volume& Volume::operator=(Volume&&) noexcept = default;
 void Volume::setTransferFunction(TransferFunction transferFunction)
 {
   check(*field_, transferFunction);
-  if (colors_ && transferFunction.hasCategories())
+  if (mixture_ && transferFunction.hasCategories())
   {
     throw Error(colorsOfCategories);
   }
   transferFunction_ = std::move(transferFunction);
   table_ = nullptr;
+  if (mixture_ && mixture_->mixing == VolumeMixing::Independent)
+  {
+    mixture_->parts[0].function = transferFunction_;
+    mixture_->parts[0].table = nullptr;
+  }
 }
 
 void Volume::setColors(std::shared_ptr<const Field> field, const TransferFunction& colors)
 {
-  std::unique_ptr<Colors> made;
+  Mixture mixture{ VolumeMixing::Colors, {}, {} };
   if (field)
   {
-    if (field->sharedOctree() != field_->sharedOctree())
-    {
-      throw Error("volume: colours of a field in another octree");
-    }
-    if (colors.hasCategories() || transferFunction_.hasCategories())
-    {
-      throw Error(colorsOfCategories);
-    }
-    const bool isSame = colors_ && colors_->field == field;
-    made = std::make_unique<Colors>(Colors{ std::move(field), colors.withExtinction(1.f) });
-    made->kept = isSame ? std::move(colors_->kept) : nullptr; // a new function changes no values
+    checkPart(field, colors);
+    // Of extinction 1: the tables have the colours of what is seen.
+    mixture.parts.push_back({ std::move(field), colors.withExtinction(1.f) });
   }
-  colors_ = std::move(made);
+  mix(std::move(mixture));
+}
+
+void Volume::setChannels(const std::array<std::shared_ptr<const Field>, 3>& rgb)
+{
+  Mixture mixture{ VolumeMixing::Channels, {}, {} };
+  for (const std::shared_ptr<const Field>& field : rgb)
+  {
+    if (field)
+    {
+      const Range range = field->range();
+      const float end = range.max > range.min ? 1.f : 0.f;
+      TransferFunction ramp(range.min, range.max, { { 0.f, 0.f, 0.f, 1.f }, { end, end, end, 1.f } });
+      checkPart(field, ramp);
+      mixture.parts.push_back({ field, std::move(ramp) });
+    }
+  }
+  if (!mixture.parts.empty() && mixture.parts.size() != rgb.size())
+  {
+    throw Error("volume: colours of " + std::to_string(mixture.parts.size()) + " channels, needed are three");
+  }
+  mix(std::move(mixture));
+}
+
+void Volume::setComponents(std::vector<Component> others, float ownWeight)
+{
+  Mixture mixture{ VolumeMixing::Independent, {}, {} };
+  if (others.size() > mixture.weights.size() - 1)
+  {
+    throw Error("volume: " + std::to_string(others.size() + 1) + " components, allowed are four");
+  }
+  if (!others.empty())
+  {
+    others.insert(others.begin(), { field_, transferFunction_, ownWeight });
+  }
+  for (Component& component : others)
+  {
+    checkPart(component.field, component.function);
+    if (!(component.weight >= 0.f) || !std::isfinite(component.weight))
+    {
+      throw Error("volume: a component's weight of " + std::to_string(component.weight) +
+        ", allowed are finite numbers from 0 on");
+    }
+    mixture.weights[mixture.parts.size()] = component.weight;
+    mixture.parts.push_back({ std::move(component.field), std::move(component.function) });
+  }
+  mix(std::move(mixture));
+}
+
+void Volume::checkPart(const std::shared_ptr<const Field>& field, const TransferFunction& function) const
+{
+  if (required(field, "volume").sharedOctree() != field_->sharedOctree())
+  {
+    throw Error("volume: colours of a field in another octree");
+  }
+  if (function.hasCategories() || transferFunction_.hasCategories())
+  {
+    throw Error(colorsOfCategories);
+  }
+}
+
+/// What fields had, they keep: new functions change no values.
+void Volume::mix(Mixture mixture)
+{
+  if (mixture.parts.empty())
+  {
+    mixture_ = nullptr;
+    return;
+  }
+  auto made = std::make_unique<Mixture>(std::move(mixture));
+  for (Mixture::Part& part : made->parts)
+  {
+    for (std::size_t i = 0; mixture_ && !part.kept && i < mixture_->parts.size(); ++i)
+    {
+      Mixture::Part& before = mixture_->parts[i];
+      part.kept = before.field == part.field ? std::move(before.kept) : nullptr;
+    }
+  }
+  mixture_ = std::move(made);
 }
 
 void Volume::setKeptBytes(std::size_t bytes)
@@ -237,17 +329,25 @@ void Volume::setKeptBytes(std::size_t bytes)
 
 std::size_t Volume::keptBytes() const noexcept
 {
-  return (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0) +
-    (colors_ && colors_->kept ? colors_->kept->byteSize() : 0);
+  std::size_t bytes = (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0);
+  for (std::size_t i = 0; mixture_ && i < mixture_->parts.size(); ++i)
+  {
+    bytes += mixture_->parts[i].kept ? mixture_->parts[i].kept->byteSize() : 0;
+  }
+  return bytes;
 }
 
-/// Gradients and colours take memory while frames use them alone.
-void Volume::prepareMemory(bool withGradients, bool withColors, bool withMeans)
+/// Values, gradients and colours take memory while frames use them alone.
+void Volume::prepareMemory(bool withValues, bool withGradients, bool withColors, bool withMeans)
 {
-  if (!kept_)
-  {
-    kept_ = std::make_unique<BlockCache>(*field_, budget_);
-  }
+  const std::size_t budget = withValues ? budget_ : 0;
+  const auto prepareValues = [budget](const Field& field, std::unique_ptr<BlockCache>& kept) {
+    if (!kept || kept->budget() != budget)
+    {
+      kept = std::make_unique<BlockCache>(field, budget);
+    }
+  };
+  prepareValues(*field_, kept_);
   if (!withGradients)
   {
     keptGradients_ = nullptr;
@@ -256,13 +356,19 @@ void Volume::prepareMemory(bool withGradients, bool withColors, bool withMeans)
   {
     keptGradients_ = std::make_unique<GradientCache>(*field_, gradientBudget(budget_));
   }
-  if (colors_ && !withColors)
+  for (std::size_t i = 0; mixture_ && i < mixture_->parts.size(); ++i)
   {
-    colors_->kept = nullptr;
-  }
-  else if (withColors && !colors_->kept)
-  {
-    colors_->kept = std::make_unique<BlockCache>(*colors_->field, budget_);
+    Mixture::Part& part = mixture_->parts[i];
+    if (!withColors || part.field == field_)
+    {
+      part.kept = nullptr;
+      continue;
+    }
+    prepareValues(*part.field, part.kept);
+    if (withMeans)
+    {
+      part.kept->prepareMeans();
+    }
   }
   if (withMeans)
   {
@@ -271,10 +377,6 @@ void Volume::prepareMemory(bool withGradients, bool withColors, bool withMeans)
     {
       keptGradients_->prepareMeans();
     }
-    if (withColors)
-    {
-      colors_->kept->prepareMeans();
-    }
   }
 }
 
@@ -282,9 +384,9 @@ void Volume::forgetKept() noexcept
 {
   kept_ = nullptr;
   keptGradients_ = nullptr;
-  if (colors_)
+  for (std::size_t i = 0; mixture_ && i < mixture_->parts.size(); ++i)
   {
-    colors_->kept = nullptr;
+    mixture_->parts[i].kept = nullptr;
   }
 }
 
@@ -298,20 +400,28 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
     table_ = std::make_unique<VolumeTable>(*field_, transferFunction_, worldMagnitude);
   }
   const bool hasCategories = transferFunction_.hasCategories();
-  const bool withColors = colors_ && settings.blend == VolumeBlend::Composite;
-  prepareMemory(
-    usesGradients(settings, hasCategories), withColors, settings.levelOfDetailPixels > 0. && !hasCategories);
+  const bool withColors = mixture_ && !blendsValues(settings.blend);
+  const bool areIndependent = withColors && mixture_->mixing == VolumeMixing::Independent;
+  prepareMemory(!hasCategories && !settings.nearest,
+    usesGradients(settings, hasCategories) && !areIndependent, withColors,
+    settings.levelOfDetailPixels > 0. && !hasCategories);
   VolumeKernelScene scene(
     *field_, transferFunction_, *table_, view, settings, *kept_, keptGradients_.get(), image);
   if (withColors)
   {
-    if (!colors_->table)
+    KernelMixture mixture{ mixture_->mixing, {}, mixture_->weights };
+    for (Mixture::Part& part : mixture_->parts)
     {
-      colors_->table = std::make_unique<VolumeTable>(*colors_->field, colors_->function, 0);
-      colors_->table->integrate(colors_->function);
+      const int magnitude = areIndependent ? worldMagnitude : 0; // colours have none
+      if (!part.table || part.table->worldMagnitude() != magnitude)
+      {
+        part.table = std::make_unique<VolumeTable>(*part.field, part.function, magnitude);
+        part.table->integrate(part.function);
+      }
+      mixture.parts.push_back(std::make_shared<const VolumeKernelScene>(*part.field, part.function,
+        *part.table, view, settings, part.kept ? *part.kept : *kept_, nullptr, nullptr));
     }
-    scene.colorBy(std::make_shared<const VolumeKernelScene>(
-      *colors_->field, colors_->function, *colors_->table, view, settings, *colors_->kept, nullptr, nullptr));
+    scene.mix(std::move(mixture));
   }
   if (scene.features.preIntegration)
   {
@@ -358,9 +468,12 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
   {
     keptGradients_->endFrame(all.keptGradients, all.gradients);
   }
-  if (scene.colors)
+  for (std::size_t i = 0; scene.mixture && i < mixture_->parts.size(); ++i)
   {
-    colors_->kept->endFrame(all.keptColors, all.colors);
+    if (mixture_->parts[i].kept)
+    {
+      mixture_->parts[i].kept->endFrame(all.keptColors, all.colors);
+    }
   }
   return all;
 }

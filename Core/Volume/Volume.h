@@ -8,9 +8,11 @@
 #include "MemoryBudget.h"
 #include "Volume/VolumeSettings.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace treeamr
 {
@@ -49,12 +51,28 @@ public:
   /// Throws Error, and keeps the one before, when a value of the field is none of its categories.
   void setTransferFunction(TransferFunction transferFunction);
 
+  /// One of several components of what is drawn, each a field of the same octree with functions of its own.
+  struct Component
+  {
+    std::shared_ptr<const Field> field;
+    TransferFunction function; // over its values less their offset
+    float weight = 1.f;        // at least 0
+  };
+
   /// Colours by another field, in the octree of the first: of the transfer function extinctions alone count then, of
-  /// `colors` the colours, over its field's values less their offset. Null: none. Where blends other than composite
-  /// are asked for, which show values, colours have no part. Throws Error, and keeps what was there, for a field of
+  /// `colors` the colours, over its field's values less their offset. Null: none. Blends of values show
+  /// none of them. Throws Error, and keeps what was there, for a field of
   /// another octree and for categories in either function.
   void setColors(std::shared_ptr<const Field> field, const TransferFunction& colors);
-  bool hasColors() const noexcept { return static_cast<bool>(colors_); }
+  /// Colours that three other fields are: red, green and blue, each of them 0 at the least and 1 at the largest of its
+  /// values. Null for all: none. Throws Error, and keeps what was there, as setColors().
+  void setChannels(const std::array<std::shared_ptr<const Field>, 3>& rgb);
+  /// Two to four components, the first one of the volume's own field and function, mixed at each sample as VTK's GPU
+  /// mapper mixes independent components: their extinctions' squares by the weighted sum of these, colours by weight and
+  /// extinction. They are not lit. None or one: the volume alone. Throws Error, and keeps what was there, as setColors()
+  /// and for weights that are negative or not finite.
+  void setComponents(std::vector<Component> others, float ownWeight = 1.f);
+  bool hasColors() const noexcept { return static_cast<bool>(mixture_); }
 
   /// Forgets the vertex values, unless these are the bytes that it was given before.
   void setKeptBytes(std::size_t bytes);
@@ -63,7 +81,7 @@ public:
 
   /// Renders into `image` (overwritten). A ray is integrated from stop to stop, with no sample across one; what the
   /// stops hide from all rays is not visited. Throws Error when the image's size or that of the stops is not the
-  /// camera's, the settings are not finite and positive, or the stops have hits and the blend is not composite; and
+  /// camera's, the settings are not finite and positive, or the stops have hits and the blend is one of values; and
   /// Interrupted when the view's progress is ended: then the image has some of its pixels.
   VolumeStatistics render(const RayView& view, const VolumeSettings& settings, Image& image);
 
@@ -80,10 +98,12 @@ public:
     const Camera& camera, const VolumeSettings& settings, int repeats, Image& image);
 
 private:
-  struct Colors;
+  struct Mixture;
 
-  void prepareMemory(bool withGradients, bool withColors, bool withMeans);
+  void prepareMemory(bool withValues, bool withGradients, bool withColors, bool withMeans);
   void forgetKept() noexcept;
+  void checkPart(const std::shared_ptr<const Field>& field, const TransferFunction& function) const;
+  void mix(Mixture mixture);
   VolumeKernelScene makeScene(const RayView& view, const VolumeSettings& settings, Image* image);
 
   std::shared_ptr<const Field> field_;
@@ -92,7 +112,7 @@ private:
   std::size_t budget_;                           // of bytes, for values
   std::unique_ptr<BlockCache> kept_;             // null: no frame has been rendered
   std::unique_ptr<GradientCache> keptGradients_; // null: the last frame was not lit
-  std::unique_ptr<Colors> colors_;               // null: the transfer function's
+  std::unique_ptr<Mixture> mixture_;             // null: the transfer function's colours alone
 };
 
 } // namespace treeamr

@@ -4,6 +4,7 @@
 #include "Field/RangeCode.h"
 #include "Geometry/Camera.h"
 #include "Geometry/Light.h"
+#include "Geometry/RayStops.h"
 
 #include <array>
 #include <cstdint>
@@ -24,8 +25,15 @@ enum class VolumeBlend
   Maximum,   // the largest value, in its colour and its opacity
   Minimum,   // the smallest one
   Average, // mean over the ray's length of opacity times value, the values' range taken as 0 to 1: an opaque grey
-  Additive // integral of opacity times value over lengths in unit distances, in the same way
+  Additive, // integral of opacity times value over lengths in unit distances, in the same way
+  Slice     // where it meets a plane alone: the value's colour and its opacity over the unit distance
 };
+
+/// Whether it makes numbers of what is along a ray, rather than light.
+constexpr bool blendsValues(VolumeBlend blend) noexcept
+{
+  return blend != VolumeBlend::Composite && blend != VolumeBlend::Slice;
+}
 
 /// How a volume reflects light: at each sample by the field's gradient there, which is continuous where cells of
 /// different sizes meet. Where the field is flat there is the ambient term alone.
@@ -69,12 +77,16 @@ struct VolumeSettings
   bool doubles = false;
   /// Nodes whose children are smaller than this many pixels may be drawn from their means; 0 is off.
   double levelOfDetailPixels = 0.;
+  /// Each leaf shows its own value everywhere in it, and its centre's gradient: nothing is reconstructed in between.
+  bool nearest = false;
   VolumeBlend blend = VolumeBlend::Composite;
   /// Length in the world over which the opacities count that blends other than composite ask for.
   double unitDistance = 1.;
+  /// Whose face a slice is.
+  HalfSpace slice{};
   /// Values, less the field's offset, that an average counts.
   Range averageRange{ -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity() };
-  /// Of composites; not of categories, which have no gradients.
+  /// Of composites and slices; not of categories, which have no gradients.
   std::optional<VolumeShading> shading{};
   std::optional<GradientOpacity> gradientOpacity{};
 };

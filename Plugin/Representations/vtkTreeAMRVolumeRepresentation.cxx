@@ -30,6 +30,7 @@ vtkTreeAMRVolumeRepresentation::vtkTreeAMRVolumeRepresentation()
   this->Volume->SetProperty(this->Property);
   this->Volume->SetMapper(this->Mapper);
   this->Mapper->SetScalarModeToUseCellFieldData();
+  this->Property->SetInterpolationTypeToLinear();
   this->Property->GetIsoSurfaceValues()->SetNumberOfContours(0); // VTK's default is the value 0
   this->DefaultColor->SetColorSpaceToDiverging();
   this->FollowProgress(this->Mapper);
@@ -153,6 +154,11 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   this->Mapper->SetVectorMode(
     component ? vtkTreeAMRVolumeMapper::COMPONENT : vtkTreeAMRVolumeMapper::MAGNITUDE);
   this->Mapper->SetVectorComponent(component ? colors->GetVectorComponent() : 0);
+  vtkDataArray* array = this->Grid->GetCellData()->GetArray(this->Mapper->GetArrayName());
+  const int components = array ? array->GetNumberOfComponents() : 1;
+  const bool areDependent =
+    (this->MapsComponents || !this->MapsScalars) && (components == 2 || components == 4);
+  this->Property->SetIndependentComponents(!areDependent);
   this->Mapper->SetOpacityArrayName(this->UsesOpacityArray ? this->OpacityArray.c_str() : "");
   double planes[6];
   for (int i = 0; i < 6; ++i)
@@ -172,6 +178,15 @@ void vtkTreeAMRVolumeRepresentation::SetColor(vtkColorTransferFunction* colors)
 void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opacities)
 {
   this->ScalarOpacity = opacities;
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetScalarOpacityUnitDistance(double distance)
+{
+  for (int component = 0; component < VTK_MAX_VRCOMP; ++component)
+  {
+    this->Property->SetScalarOpacityUnitDistance(component, distance);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -202,7 +217,9 @@ void vtkTreeAMRVolumeRepresentation::SetIsosurfaceValue(int index, double value)
 bool vtkTreeAMRVolumeRepresentation::HasSurfaces()
 {
   return this->Mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND ||
-    (this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND && this->Mapper->GetShowIsosurfaces());
+    ((this->Mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND ||
+       this->Mapper->GetBlendMode() == vtkVolumeMapper::SLICE_BLEND) &&
+      this->Mapper->GetShowIsosurfaces());
 }
 
 //------------------------------------------------------------------------------

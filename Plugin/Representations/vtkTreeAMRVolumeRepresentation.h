@@ -15,6 +15,7 @@
 #include "vtkVolumeProperty.h"      // for forwarding
 
 class vtkColorTransferFunction;
+class vtkImplicitFunction;
 class vtkPiecewiseFunction;
 class vtkVolume;
 
@@ -33,14 +34,12 @@ public:
   ///@}
 
   /// The length over which an opacity of the transfer function accumulates.
-  void SetScalarOpacityUnitDistance(double distance)
-  {
-    this->Property->SetScalarOpacityUnitDistance(distance);
-  }
+  void SetScalarOpacityUnitDistance(double distance);
   ///@{
   /// What rays make of the volume, and surfaces of the drawn array's values, alone (vtkVolumeMapper::ISOSURFACE_BLEND)
   /// or inside a composite; see vtkTreeAMRVolumeMapper.
   void SetBlendMode(int mode) { this->Mapper->SetBlendMode(mode); }
+  void SetSliceFunction(vtkImplicitFunction* function) { this->Property->SetSliceFunction(function); }
   void SetShowIsosurfaces(bool show) { this->Mapper->SetShowIsosurfaces(show); }
   void SetNumberOfIsosurfaces(int number);
   void SetIsosurfaceValue(int index, double value);
@@ -50,6 +49,8 @@ public:
   void SetAmbientOcclusionRadius(double radius) { this->Mapper->SetAmbientOcclusionRadius(radius); }
   void SetShadows(bool shadows) { this->Mapper->SetShadows(shadows); }
   ///@}
+  /// vtkVolumeProperty's: whether cells show their own values alone (0) or a field that is continuous (1, default).
+  void SetInterpolationType(int type) { this->Property->SetInterpolationType(type); }
   ///@{
   /// The light of the volume, and of its isosurfaces.
   void SetShade(bool shade) { this->Property->SetShade(shade); }
@@ -64,6 +65,12 @@ public:
   void SetUseSeparateOpacityArray(bool use) { this->UsesOpacityArray = use; }
   void SelectOpacityArray(int index, int port, int connection, int association, const char* name);
   void SelectOpacityArrayComponent(int component) { this->Mapper->SetOpacityComponent(component); }
+  ///@}
+  ///@{
+  /// As ParaView's Volume: whether two components of an array are colour and opacity, and four are these themselves, but
+  /// for the function of the opacity: with MultiComponentsMapping on (default off), or MapScalars off (default on).
+  void SetMapScalars(bool map) { this->MapsScalars = map; }
+  void SetMultiComponentsMapping(bool map) { this->MapsComponents = map; }
   ///@}
   /// Samples along each cell's width.
   void SetSamplesPerCell(double samples) { this->Mapper->SetSamplesPerCell(samples); }
@@ -133,6 +140,8 @@ private:
   double GetStatistic(const char* name);
 
   bool UsesOpacityArray = false;
+  bool MapsScalars = true;
+  bool MapsComponents = false;
   std::string OpacityArray;
   double CroppingOrigin[3] = { 0., 0., 0. };
   double CroppingScale[3] = { 1., 1., 1. };

@@ -176,8 +176,8 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
     this->CheckSettings();
     this->UpdateField(volume);
     this->UpdateVolume(volume);
-    this->Private->Effects =
-      treeamr::convertVolumeEffects(renderer, volume, this, this->Private->Volume->field());
+    this->Private->Effects = treeamr::convertVolumeEffects(
+      renderer, volume, this, this->Private->Volume->field(), this->GetComponentOfUnitDistance());
     this->UpdateIsosurfaces(renderer, volume);
     return true;
   }

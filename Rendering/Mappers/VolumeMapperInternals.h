@@ -90,7 +90,11 @@ struct vtkTreeAMRVolumeMapper::Internals
 
   std::shared_ptr<const treeamr::Field> Field; // that rays see
   treeamr::FieldSlot OpacitySlot;
-  std::shared_ptr<const treeamr::Field> OpacityField;    // that makes them opaque then; null: the same
+  std::shared_ptr<const treeamr::Field> OpacityField; // that makes them opaque then; null: the same
+  vtkTreeAMRVolumeMapper::Components Drawn = vtkTreeAMRVolumeMapper::Components::One;
+  std::array<treeamr::FieldSlot, 3> ComponentSlots;
+  /// Of RGBA the colours, of independent ones those after the first; the same octree's.
+  std::vector<std::shared_ptr<const treeamr::Field>> OtherComponents;
   std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
   vtkTimeStamp FieldTime;
   double FieldSeconds = 0.;

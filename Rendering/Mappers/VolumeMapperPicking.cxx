@@ -28,6 +28,9 @@ vtkIdType vtkTreeAMRVolumeMapper::IntersectWithLine(vtkVolume* volume, const dou
   {
     this->UpdateField(volume);
     const bool isByNumber = internals.Categories != nullptr;
+    const bool isNearest =
+      isByNumber || volume->GetProperty()->GetInterpolationType() == VTK_NEAREST_INTERPOLATION;
+    const Method method = isNearest ? Method::Nearest : Method::GTI;
     const std::shared_ptr<const treeamr::Field>& opaque =
       internals.OpacityField ? internals.OpacityField : internals.Field;
     const auto valueOf = [&](double found) {
@@ -37,16 +40,16 @@ vtkIdType vtkTreeAMRVolumeMapper::IntersectWithLine(vtkVolume* volume, const dou
     treeamr::DataCut cut;
     cut.cropping = treeamr::convertCropping(this);
     const treeamr::PickLine line = treeamr::pickLine(p1, p2, t1, t2);
-    const auto sampler = treeamr::Sampler::create(isByNumber ? Method::Nearest : Method::GTI, opaque);
-    auto pick = treeamr::pickVolume(*sampler, opaque->octree(), line, cut,
-      [&](double found) { return function->GetValue(valueOf(found)); }, opacity);
+    const auto sampler = treeamr::Sampler::create(method, opaque);
+    auto pick = treeamr::pickVolume(
+      *sampler, opaque->octree(), line, cut, [&](double found) { return function->GetValue(valueOf(found)); },
+      opacity);
     if (!pick)
     {
       return -1;
     }
     if (treeamr::FieldSample drawn; internals.OpacityField &&
-        treeamr::Sampler::create(Method::GTI, internals.Field)
-          ->sample(treeamr::pointAt(line.ray, pick->t), drawn))
+        treeamr::Sampler::create(method, internals.Field)->sample(treeamr::pointAt(line.ray, pick->t), drawn))
     {
       pick->value = drawn.value;
     }

@@ -6,6 +6,7 @@
 #include "VolumeEffects.h"
 #include "VolumeMapperInternals.h"
 
+#include "CornerArrays.h"
 #include "Error.h"
 #include "MemoryBudget.h"
 
@@ -46,6 +47,23 @@ void addColumn(vtkTable* table, const char* name, std::uint64_t value)
 void addColumn(vtkTable* table, const char* name, double value)
 {
   addColumn<vtkDoubleArray>(table, name, value);
+}
+
+/// Throws Error where one of two arrays has values in cells where the other one has none.
+void checkSameCells(const treeamr::ArraySelection& a, const treeamr::Field& ofA,
+  const treeamr::ArraySelection& b, const treeamr::Field& ofB)
+{
+  if (ofA.sharedOctree() == ofB.sharedOctree())
+  {
+    return;
+  }
+  const auto described = [](const treeamr::ArraySelection& array, const treeamr::Field& values) {
+    return "'" + array.name +
+      (array.component < 0 ? "'" : "', component " + std::to_string(array.component) + ",") + " in " +
+      std::to_string(values.octree().leafCount());
+  };
+  throw treeamr::Error("volume mapper: finite values of cell array " + described(a, ofA) + " cells, of " +
+    described(b, ofB) + "; colour by one and opacity by the other need both in the same cells");
 }
 
 } // anonymous namespace
@@ -323,12 +341,11 @@ vtkMTimeType vtkTreeAMRVolumeMapper::GetIsosurfaceBuildTime()
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::CheckSettings()
 {
-  if (this->BlendMode < vtkVolumeMapper::COMPOSITE_BLEND ||
-    this->BlendMode > vtkVolumeMapper::ISOSURFACE_BLEND)
+  if (this->BlendMode < vtkVolumeMapper::COMPOSITE_BLEND || this->BlendMode > vtkVolumeMapper::SLICE_BLEND)
   {
     throw treeamr::Error("volume mapper: blend mode " + std::to_string(this->BlendMode) +
-      ", allowed are 0 (composite), 1 and 2 (maximum and minimum intensity), 3 (average), 4 (additive) and 5 "
-      "(isosurface)");
+      ", allowed are 0 (composite), 1 and 2 (maximum and minimum intensity), 3 (average), 4 (additive), 5 "
+      "(isosurface) and 6 (slice)");
   }
   for (const auto& [name, value] : { std::pair("image sample distance", this->ImageSampleDistance),
          std::pair("minimum image sample distance", this->MinimumImageSampleDistance),
@@ -359,8 +376,17 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
   const bool hasCategories = this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty());
   const bool hasOpacityArray = !this->OpacityArrayName.empty();
   const bool hasOpacity = this->SelectOpacity(volume).has_value();
-  treeamr::SettingNames names =
-    treeamr::unsupportedSettings(volume, this, hasCategories, hasSurfaces, hasOpacity && !hasOpacityArray);
+  const bool canMix = this->CanMix(volume);
+  const Components components = this->GetComponents(volume);
+  const bool areIndependent = components == Components::Independent;
+  treeamr::SettingNames names = treeamr::unsupportedSettings(volume, this,
+    { hasCategories, hasSurfaces, canMix && components != Components::One && !areIndependent,
+      canMix && areIndependent });
+  if (areIndependent && this->ShowsVolume() && !canMix)
+  {
+    names.emplace_back(
+      hasCategories ? "VectorMode DISABLED of categories" : "VectorMode DISABLED with a BlendMode of values");
+  }
   if (hasOpacityArray && this->ShowsVolume() && !hasOpacity)
   {
     names.emplace_back(
@@ -374,28 +400,45 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
 }
 
 //------------------------------------------------------------------------------
-bool vtkTreeAMRVolumeMapper::HasPairs(vtkVolume* volume)
+vtkTreeAMRVolumeMapper::Components vtkTreeAMRVolumeMapper::GetComponents(vtkVolume* volume)
 {
+  const bool areIndependent = volume->GetProperty()->GetIndependentComponents();
   vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
-  if (volume->GetProperty()->GetIndependentComponents() || !grid)
+  if (!grid || !this->OpacityArrayName.empty() || (areIndependent && this->VectorMode != DISABLED))
   {
-    return false;
+    return Components::One;
   }
   try
   {
     vtkDataArray* array = grid->GetCellData()->GetArray(this->SelectArray().name.c_str());
-    return array && array->GetNumberOfComponents() == 2;
+    const int count = array ? treeamr::fieldComponents(*array) : 1;
+    if (areIndependent)
+    {
+      return count >= 2 && count <= 4 ? Components::Independent : Components::One;
+    }
+    return count == 2 ? Components::Pair : count == 4 ? Components::RGBA : Components::One;
   }
   catch (const treeamr::Error&) // which the frame tells
   {
-    return false;
+    return Components::One;
   }
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRVolumeMapper::GetComponentOfUnitDistance() const
+{
+  const Internals& internals = *this->Private;
+  if (internals.Drawn == Components::RGBA)
+  {
+    return 3;
+  }
+  return internals.Drawn == Components::Pair && internals.OpacityField ? 1 : 0;
 }
 
 //------------------------------------------------------------------------------
 std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtkVolume* volume)
 {
-  if (this->BlendMode != vtkVolumeMapper::COMPOSITE_BLEND || treeamr::hasCategories(volume->GetProperty()))
+  if (!this->CanMix(volume))
   {
     return std::nullopt;
   }
@@ -407,11 +450,18 @@ std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtk
     const bool isBeyond = array && this->OpacityComponent >= array->GetNumberOfComponents();
     return treeamr::ArraySelection{ this->OpacityArrayName, isBeyond ? -1 : this->OpacityComponent };
   }
-  if (this->HasPairs(volume))
+  if (this->GetComponents(volume) == Components::Pair)
   {
     return treeamr::ArraySelection{ this->SelectArray().name, 1 };
   }
   return std::nullopt;
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRVolumeMapper::CanMix(vtkVolume* volume)
+{
+  return this->ShowsVolume() && !treeamr::blendsValues(this) &&
+    !treeamr::hasCategories(volume->GetProperty());
 }
 
 //------------------------------------------------------------------------------
@@ -433,11 +483,12 @@ treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectArray()
 void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
 {
   treeamr::ArraySelection selection = this->SelectArray();
-  if (this->HasPairs(volume) && this->OpacityArrayName.empty())
-  {
-    selection.component = 0;
-  }
   Internals& internals = *this->Private;
+  const Components components = this->GetComponents(volume);
+  if (components != Components::One)
+  {
+    selection.component = components == Components::RGBA ? 3 : 0;
+  }
   const double start = vtkTimerLog::GetUniversalTime();
   std::shared_ptr<const treeamr::Field> field;
   if (this->ShowsVolume() && treeamr::hasCategories(volume->GetProperty()))
@@ -456,33 +507,59 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
   {
     opacityField = internals.OpacitySlot.acquire(this->GetHyperTreeGrid(), *ofOpacity);
     internals.Messages.warning(internals.OpacitySlot.remark());
-    if (opacityField->sharedOctree() != field->sharedOctree())
-    {
-      const auto described = [](const treeamr::ArraySelection& array, const treeamr::Field& values) {
-        return "'" + array.name +
-          (array.component < 0 ? "'" : "', component " + std::to_string(array.component) + ",") + " in " +
-          std::to_string(values.octree().leafCount());
-      };
-      throw treeamr::Error("volume mapper: finite values of cell array " + described(selection, *field) +
-        " cells, of " + described(*ofOpacity, *opacityField) +
-        "; colour by one and opacity by the other need both in the same cells");
-    }
+    checkSameCells(selection, *field, *ofOpacity, *opacityField);
   }
   else
   {
     internals.OpacitySlot.release();
   }
+  const auto others =
+    this->AcquireComponents(this->CanMix(volume) ? components : Components::One, selection, *field);
   (opacityField ? opacityField : field)->nodeRanges(); // made now, they do not count as a frame's time
   internals.Messages.warning(internals.FieldSlot.remark());
-  if (field != internals.Field || opacityField != internals.OpacityField)
+  if (field != internals.Field || opacityField != internals.OpacityField ||
+    others != internals.OtherComponents || components != internals.Drawn)
   {
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
     internals.Field = field;
     internals.OpacityField = opacityField;
+    internals.OtherComponents = others;
+    internals.Drawn = components;
     internals.Volume.reset();
     internals.SamplesPerCell.clear();
     internals.FieldTime.Modified();
   }
+}
+
+//------------------------------------------------------------------------------
+std::vector<std::shared_ptr<const treeamr::Field>> vtkTreeAMRVolumeMapper::AcquireComponents(
+  Components components, const treeamr::ArraySelection& own, const treeamr::Field& field)
+{
+  Internals& internals = *this->Private;
+  std::vector<std::shared_ptr<const treeamr::Field>> fields;
+  const int first = components == Components::Independent ? 1 : 0;
+  int end = first;
+  if (components == Components::RGBA)
+  {
+    end = 3;
+  }
+  else if (components == Components::Independent)
+  {
+    end = treeamr::fieldComponents(*this->GetHyperTreeGrid()->GetCellData()->GetArray(own.name.c_str()));
+  }
+  for (int i = 0; i < static_cast<int>(internals.ComponentSlots.size()); ++i)
+  {
+    treeamr::FieldSlot& slot = internals.ComponentSlots[i];
+    const treeamr::ArraySelection selection{ own.name, first + i };
+    if (selection.component >= end)
+    {
+      slot.release();
+      continue;
+    }
+    fields.push_back(slot.acquire(this->GetHyperTreeGrid(), selection));
+    checkSameCells(own, field, selection, *fields.back());
+  }
+  return fields;
 }
 
 //------------------------------------------------------------------------------
@@ -496,7 +573,7 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
 {
   Internals& internals = *this->Private;
   vtkVolumeProperty* property = this->ShowsVolume() ? volume->GetProperty() : nullptr;
-  const int size = this->ShowsVolume() && !internals.Categories ? this->VertexCacheSize : 0;
+  const int size = this->ShowsVolume() ? this->VertexCacheSize : 0;
   const std::size_t bytes = static_cast<std::size_t>(size) << 20;
   if (!internals.Volume || internals.Property != property ||
     internals.PropertyTime != (property ? property->GetMTime() : 0))
@@ -508,11 +585,10 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
     const treeamr::Stopwatch stopwatch(internals.TransferFunctionSeconds);
     const std::shared_ptr<const treeamr::Field>& field =
       internals.OpacityField ? internals.OpacityField : internals.Field;
-    const int component = internals.OpacityField && this->OpacityArrayName.empty() ? 1 : 0; // of a pair
     treeamr::TransferFunction function = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
-      : internals.Categories
-      ? treeamr::convertCategories(property, internals.Categories->values)
-      : treeamr::convertTransferFunction(property, field->range(), field->offset(), component);
+      : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
+                             : treeamr::convertTransferFunction(property, field->range(), field->offset(),
+                                 { 0, this->GetComponentOfUnitDistance() });
     if (internals.Volume)
     {
       internals.Volume->setTransferFunction(std::move(function));
@@ -521,11 +597,9 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
     {
       internals.Volume.emplace(field, std::move(function), bytes);
     }
-    if (property && internals.OpacityField)
+    if (property)
     {
-      const treeamr::Field& colored = *internals.Field;
-      internals.Volume->setColors(
-        internals.Field, treeamr::convertTransferFunction(property, colored.range(), colored.offset()));
+      this->MixComponents(property);
     }
     internals.Property = property;
     // Asking for functions that were never set has made them.
@@ -533,6 +607,37 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
     internals.TransferFunctionTime.Modified();
   }
   internals.Volume->setKeptBytes(bytes);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::MixComponents(vtkVolumeProperty* property)
+{
+  Internals& internals = *this->Private;
+  const auto functionOf = [property](const treeamr::Field& field, int component) {
+    return treeamr::convertTransferFunction(
+      property, field.range(), field.offset(), { component, component });
+  };
+  const auto& others = internals.OtherComponents;
+  if (internals.OpacityField)
+  {
+    internals.Volume->setColors(internals.Field, functionOf(*internals.Field, 0));
+  }
+  else if (internals.Drawn == Components::RGBA && !others.empty())
+  {
+    internals.Volume->setChannels({ others[0], others[1], others[2] });
+  }
+  else if (internals.Drawn == Components::Independent && !others.empty())
+  {
+    std::vector<treeamr::Volume::Component> components;
+    for (const auto& field : others)
+    {
+      const int component = static_cast<int>(components.size()) + 1;
+      components.push_back({ field, functionOf(*field, component),
+        static_cast<float>(property->GetComponentWeight(component)) });
+    }
+    internals.Volume->setComponents(
+      std::move(components), static_cast<float>(property->GetComponentWeight(0)));
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
  * @class   vtkTreeAMRVolumeMapper
  * @brief   ray-traces a vtkHyperTreeGrid as a volume on the CPU
  *
- * The field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation):
+ * With linear interpolation the field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation):
  * continuous across refinement levels, without resampling. A volume mapper like VTK's own: colours, scalar
  * opacity and its unit distance (in data units: a scaled volume looks the same) come from the vtkVolume's
  * vtkVolumeProperty, component 0; the array from SelectScalarArray() and ScalarMode. Without a selection it
@@ -11,7 +11,8 @@
  * Composite blending, lit where the property's Shade asks for it, by normals that are continuous across levels, and
  * with its gradient opacity: a function of the change across the width of the finest cells, where VTK's is of that
  * across an image's spacing. Maximum, minimum and average intensity and additive blending as VTK's GPU mapper has
- * them. Or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
+ * them. Slices (SetSliceFunction(), a vtkPlane in world coordinates): the colour and, whatever the unit distance, the
+ * opacity of the value in the plane, lit as a composite is. Or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
  * default is one, 0) alone, each coloured and as opaque as the functions are at its value, whatever the unit
  * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the
  * volume, in one pass and in their order.
@@ -26,10 +27,12 @@
  * everything, with and without depth peeling. Isosurfaces leave no depth. Clipping planes (world coordinates) and
  * cropping (regions of data coordinates) cut the volume and its own isosurfaces, at the planes and not at cells,
  * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for:
- * two-dimensional functions, components with functions of their own, slices.
+ * two-dimensional functions.
  * Selections of cells and points pass through volumes; props alone are selected (vtkPropPicker) where the volume is seen.
- * The property's interpolation type is not asked: the field is always continuous,
- * but for categories.
+ *
+ * As with VTK's mappers the property's interpolation type says what is in between the cells' centres, and its default
+ * is nearest: each cell shows its own value everywhere in it, by the gradient at its centre where it is lit. The
+ * reconstructed field is what SetInterpolationTypeToLinear() asks for. Isosurfaces are of it in either case.
  *
  * A colour function with IndexedLookup makes categories of the values: each cell is drawn in the colour that
  * surfaces of its own value have, with the opacity function's opacity there, and nothing is interpolated.
@@ -60,12 +63,14 @@
 #include <vector>     // for std::vector
 
 class vtkHyperTreeGrid;
+class vtkVolumeProperty;
 class vtkTable;
 struct vtkTreeAMRRayImage;
 struct vtkTreeAMRRaySegments;
 namespace treeamr
 {
 struct ArraySelection;
+class Field;
 struct DraftSettings;
 struct Image;
 class Progress;
@@ -83,15 +88,21 @@ public:
   void SetInputData(vtkHyperTreeGrid* grid);
   vtkHyperTreeGrid* GetHyperTreeGrid();
 
-  /// Scalar of arrays with several components, as in vtkSmartVolumeMapper.
+  /// What is drawn of arrays with several components, as in vtkSmartVolumeMapper.
   enum VectorModeType
   {
+    DISABLED = -1,
     MAGNITUDE = 0,
     COMPONENT = 1
   };
   ///@{
-  /// Whether an array with several components is drawn by its magnitude (default) or by VectorComponent.
-  vtkSetClampMacro(VectorMode, int, MAGNITUDE, COMPONENT);
+  /// Whether an array with several components is drawn by its magnitude (default), by VectorComponent, or, DISABLED, two
+  /// to four of them at once as VTK's GPU mapper draws them: each by the property's functions and unit distance of that
+  /// component, mixed by ComponentWeight, unlit. With the property's IndependentComponents off, two are colour and
+  /// opacity (see OpacityArrayName), and of four the last makes opaque by the functions of component 0 and its own unit
+  /// distance, and the first three are the colour, each from the least to the largest of its values. Of composites and
+  /// slices; not of categories.
+  vtkSetClampMacro(VectorMode, int, DISABLED, COMPONENT);
   vtkGetMacro(VectorMode, int);
   ///@}
   ///@{
@@ -104,7 +115,8 @@ public:
   /// Cell array that makes the volume opaque, by the property's scalar opacity over its values; the colour remains that of
   /// the mapper's own array. Both need values in the same cells. Empty (default) is for one array. The same is drawn of
   /// the two components of an array when the property has IndependentComponents off, as VTK's mappers draw it:
-  /// colour by the first one, opacity by the second over that component's unit distance. Of composite blending; not of categories.
+  /// colour by the first one, opacity by the second over that component's unit distance. Of composites and slices; not of
+  /// categories.
   void SetOpacityArrayName(const char* name);
   const char* GetOpacityArrayName() const { return this->OpacityArrayName.c_str(); }
   ///@}
@@ -353,8 +365,23 @@ private:
   void WarnOfSettings(vtkVolume* volume);
   bool ShowsVolume() const;
   treeamr::ArraySelection SelectArray();
-  /// Whether the array's two components are one for colour and one for opacity.
-  bool HasPairs(vtkVolume* volume);
+  /// What the array's components are.
+  enum class Components
+  {
+    One,  // is drawn, or their magnitude
+    Pair, // of colour and opacity
+    RGBA,
+    Independent
+  };
+  Components GetComponents(vtkVolume* volume);
+  /// Whose unit distance the property's opacities are over.
+  int GetComponentOfUnitDistance() const;
+  /// Whether other arrays can take part in what is drawn.
+  bool CanMix(vtkVolume* volume);
+  /// Those beside the volume's own field.
+  std::vector<std::shared_ptr<const treeamr::Field>> AcquireComponents(
+    Components components, const treeamr::ArraySelection& own, const treeamr::Field& field);
+  void MixComponents(vtkVolumeProperty* property);
   /// Of what makes the volume opaque, when that is not the array itself.
   std::optional<treeamr::ArraySelection> SelectOpacity(vtkVolume* volume);
   void UpdateField(vtkVolume* volume);

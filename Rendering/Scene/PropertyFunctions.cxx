@@ -198,18 +198,20 @@ ColorSegments::Color ColorSegments::inTable(double value) const
   return color;
 }
 
-PropertyFunctions::PropertyFunctions(vtkVolumeProperty* property, Range part, double offset, int component)
-  : opacities_(property->GetScalarOpacity(0))
+PropertyFunctions::PropertyFunctions(
+  vtkVolumeProperty* property, Range part, double offset, const PropertyComponent& component)
+  : opacities_(property->GetScalarOpacity(component.functions))
   , offset_(offset)
-  , unitDistance_(property->GetScalarOpacityUnitDistance(component))
+  , unitDistance_(property->GetScalarOpacityUnitDistance(component.unitDistance))
 {
-  if (property->GetColorChannels(0) == 1)
+  if (property->GetColorChannels(component.functions) == 1)
   {
-    grays_.emplace(property->GetGrayTransferFunction(0));
+    grays_.emplace(property->GetGrayTransferFunction(component.functions));
   }
   else
   {
-    colors_.emplace(property->GetRGBTransferFunction(0), offset + part.min, offset + part.max);
+    colors_.emplace(
+      property->GetRGBTransferFunction(component.functions), offset + part.min, offset + part.max);
   }
 }
 

@@ -84,11 +84,19 @@ private:
   double last_ = 0.;
 };
 
-/// All functions of a property, from one value where one of them has a node to the next. Values: less the offset.
+/// Of a property's components.
+struct PropertyComponent
+{
+  int functions = 0;    // whose colours and opacities
+  int unitDistance = 0; // whose one these are over
+};
+
+/// All functions of a property's component, from one value where one of them has a node to the next. Values: less the offset.
 class PropertyFunctions
 {
 public:
-  PropertyFunctions(vtkVolumeProperty* property, Range part, double offset, int component);
+  PropertyFunctions(
+    vtkVolumeProperty* property, Range part, double offset, const PropertyComponent& component);
 
   /// Values between which each function is smooth, in order: of nodes, and of a table's entries.
   std::vector<double> values() const;

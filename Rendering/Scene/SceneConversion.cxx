@@ -101,22 +101,26 @@ Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
   return timesPropMatrix(keyMatrices(renderer).clipFromWorld, prop);
 }
 
+HalfSpace convertPlane(vtkPlane* ofWorld, vtkProp3D* prop)
+{
+  vtkNew<vtkMatrix4x4> transposed; // world from data
+  prop->GetMatrix(transposed);
+  transposed->Transpose();
+  // A plane is a row vector: its product with points of it vanishes.
+  double plane[4];
+  ofWorld->GetNormal(plane);
+  plane[3] = -vtkMath::Dot(plane, ofWorld->GetOrigin());
+  transposed->MultiplyPoint(plane, plane);
+  return { toVec3(plane), -plane[3] };
+}
+
 std::vector<HalfSpace> convertClippingPlanes(vtkAbstractMapper* mapper, vtkProp3D* prop)
 {
   std::vector<HalfSpace> halfSpaces;
   vtkPlaneCollection* planes = mapper->GetClippingPlanes();
-  vtkNew<vtkMatrix4x4> transposed; // world from data
-  prop->GetMatrix(transposed);
-  transposed->Transpose();
   for (int i = 0; planes && i < planes->GetNumberOfItems(); ++i)
   {
-    // A plane is a row vector: its product with points of it vanishes.
-    double plane[4];
-    vtkPlane* ofWorld = planes->GetItem(i);
-    ofWorld->GetNormal(plane);
-    plane[3] = -vtkMath::Dot(plane, ofWorld->GetOrigin());
-    transposed->MultiplyPoint(plane, plane);
-    halfSpaces.push_back({ toVec3(plane), -plane[3] });
+    halfSpaces.push_back(convertPlane(planes->GetItem(i), prop));
   }
   return halfSpaces;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 class vtkAbstractMapper;
+class vtkPlane;
 class vtkProp3D;
 class vtkProperty;
 class vtkRenderer;
@@ -34,6 +35,8 @@ int eyeOf(vtkRenderer* renderer);
 /// Whether the window wants frames at a rate rather than the best picture.
 bool isInteractive(vtkRenderer* renderer);
 
+/// The side of a plane of world coordinates that its normal points to, in those of the prop's data.
+HalfSpace convertPlane(vtkPlane* plane, vtkProp3D* prop);
 /// The mapper's clipping planes, which VTK has in world coordinates, in those of the prop's data.
 std::vector<HalfSpace> convertClippingPlanes(vtkAbstractMapper* mapper, vtkProp3D* prop);
 /// Nothing while cropping is off.

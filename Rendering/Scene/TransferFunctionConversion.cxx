@@ -364,9 +364,9 @@ std::vector<Node> makeNodes(PropertyFunctions& functions, Range dataRange, const
 } // namespace
 
 TransferFunction convertTransferFunction(
-  vtkVolumeProperty* property, Range dataRange, double offset, int component)
+  vtkVolumeProperty* property, Range dataRange, double offset, const PropertyComponent& component)
 {
-  checkUnitDistance(property, component);
+  checkUnitDistance(property, component.unitDistance);
   PropertyFunctions functions(property, dataRange, offset, component);
   const std::vector<double> values = functions.values();
   if (values.size() >= manySegments && functions.haveCurves())

@@ -1,6 +1,8 @@
 // The functions of a vtkVolumeProperty in the core's terms. Private to the module.
 #pragma once
 
+#include "PropertyFunctions.h"
+
 #include "Field/Field.h"
 #include "Field/TransferFunction.h"
 
@@ -10,11 +12,11 @@ class vtkVolumeProperty;
 namespace treeamr
 {
 
-/// The property's colours and scalar opacities (component 0) for values of dataRange, as VTK evaluates them at every
+/// A component's colours and scalar opacities for values of dataRange, as VTK evaluates them at every
 /// float of it, to 1/512 of a channel: nodes where they bend or jump. dataRange and nodes: less the offset, which the
-/// property's values are not. component: whose unit distance counts. Throws Error for one that is not positive.
+/// property's values are not. Throws Error for a unit distance that is not positive.
 TransferFunction convertTransferFunction(
-  vtkVolumeProperty* property, Range dataRange, double offset = -0., int component = 0);
+  vtkVolumeProperty* property, Range dataRange, double offset = -0., const PropertyComponent& component = {});
 
 /// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
 /// nothing in between.

@@ -59,24 +59,25 @@ bool anyComponent(int first, const IsSet& isSet)
 
 } // namespace
 
-SettingNames unsupportedSettings(
-  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces, bool drawsPairs)
+SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, const DrawnVolume& drawn)
 {
   vtkVolumeProperty* property = volume->GetProperty();
   // Asking for functions that were never set would make them; colours tell by their channels.
   const bool hasSecondComponent = anyComponent(1, [&](int i) { return property->GetColorChannels(i) != 1; });
   const bool hasWeights = anyComponent(0, [&](int i) { return property->GetComponentWeight(i) != 1.; });
   return namesOf({
-    { "Shade of categories", property->GetShade() && hasCategories && !hasSurfaces },
+    { "Shade of categories", property->GetShade() && drawn.categories && !drawn.surfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
-    { "GradientOpacity of categories", hasGradientOpacity(property) && hasCategories },
+    { "GradientOpacity of categories", hasGradientOpacity(property) && drawn.categories },
+    { "Shade of independent components", property->GetShade() && drawn.independent },
+    { "GradientOpacity of independent components", hasGradientOpacity(property) && drawn.independent },
     { "GradientOpacity with the maximum BlendMode",
       hasGradientOpacity(property) && mapper->GetBlendMode() == vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND },
-    { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && hasSurfaces },
+    { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && drawn.surfaces },
     { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
-    { "IndependentComponents off", !property->GetIndependentComponents() && !drawsPairs },
-    { "SetColor(1, ...)", hasSecondComponent },
-    { "ComponentWeight", hasWeights },
+    { "IndependentComponents off", !property->GetIndependentComponents() && !drawn.dependent },
+    { "SetColor(1, ...)", hasSecondComponent && !drawn.independent },
+    { "ComponentWeight", hasWeights && !drawn.independent },
     { "LabelColor, LabelScalarOpacity, LabelGradientOpacity", property->GetNumberOfLabels() > 0 },
     { "UseClippedVoxelIntensity", property->GetUseClippedVoxelIntensity() != 0 },
     { "ScatteringAnisotropy", property->GetScatteringAnisotropy() != 0.f },

@@ -17,11 +17,18 @@ namespace treeamr
 /// VTK's names of what a scene asks for in vain.
 using SettingNames = std::vector<std::string>;
 
+/// What a volume mapper draws.
+struct DrawnVolume
+{
+  bool categories;  // cells are constant, without gradients
+  bool surfaces;    // isosurfaces are shown
+  bool dependent;   // components of an array together: two are colour and opacity, four are these themselves
+  bool independent; // each of several components by functions of its own
+};
+
 /// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what
-/// else there is. hasCategories: whether cells are constant, without gradients; hasSurfaces: whether isosurfaces are shown;
-/// drawsPairs: whether two dependent components are drawn as colour and opacity.
-SettingNames unsupportedSettings(
-  vtkVolume* volume, vtkVolumeMapper* mapper, bool hasCategories, bool hasSurfaces, bool drawsPairs);
+/// else there is.
+SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, const DrawnVolume& drawn);
 SettingNames unsupportedSettings(vtkActor* actor, vtkMapper* mapper);
 
 /// Says each once.

@@ -2,12 +2,15 @@
 
 #include "SceneConversion.h"
 
+#include "Error.h"
 #include "Field/Field.h"
 #include "Geometry/Image.h"
 
+#include "vtkImplicitFunction.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPlane.h"
 #include "vtkRenderer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeMapper.h"
@@ -17,6 +20,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace treeamr
@@ -69,6 +73,8 @@ VolumeBlend convertBlendMode(int mode)
       return VolumeBlend::Average;
     case vtkVolumeMapper::ADDITIVE_BLEND:
       return VolumeBlend::Additive;
+    case vtkVolumeMapper::SLICE_BLEND:
+      return VolumeBlend::Slice;
     default:
       return VolumeBlend::Composite;
   }
@@ -76,7 +82,7 @@ VolumeBlend convertBlendMode(int mode)
 
 bool blendsValues(vtkVolumeMapper* mapper)
 {
-  return convertBlendMode(mapper->GetBlendMode()) != VolumeBlend::Composite;
+  return blendsValues(convertBlendMode(mapper->GetBlendMode()));
 }
 
 std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolume* volume)
@@ -158,20 +164,36 @@ void applyColorWindow(double window, double level, Image& image)
   }
 }
 
+HalfSpace convertSlice(vtkVolume* volume)
+{
+  vtkImplicitFunction* function = volume->GetProperty()->GetSliceFunction();
+  if (vtkPlane* plane = vtkPlane::SafeDownCast(function))
+  {
+    return convertPlane(plane, volume);
+  }
+  throw Error(std::string("volume property: ") + (function ? function->GetClassName() : "no") +
+    (function ? " as slice function, allowed is a vtkPlane" : " slice function, needed is a vtkPlane"));
+}
+
 VolumeSettings convertVolumeEffects(
-  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field)
+  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field, int component)
 {
   vtkVolumeProperty* property = volume->GetProperty();
   VolumeSettings settings;
   settings.blend = convertBlendMode(mapper->GetBlendMode());
-  settings.unitDistance = property->GetScalarOpacityUnitDistance(0);
+  settings.nearest = property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION;
+  settings.unitDistance = property->GetScalarOpacityUnitDistance(component);
+  if (settings.blend == VolumeBlend::Slice)
+  {
+    settings.slice = convertSlice(volume);
+  }
   const double* const counted = mapper->GetAverageIPScalarRange();
   const auto relative = [&](double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value - field.offset(), -most, most));
   };
   settings.averageRange = { relative(counted[0]), relative(counted[1]) };
-  if (mapper->GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND)
+  if (mapper->GetBlendMode() != vtkVolumeMapper::ISOSURFACE_BLEND && !blendsValues(settings.blend))
   {
     settings.shading = convertVolumeShading(renderer, volume);
     settings.gradientOpacity = convertGradientOpacity(property, field);

@@ -2,6 +2,7 @@
 // module.
 #pragma once
 
+#include "Geometry/RayStops.h"
 #include "Octree/RootGrid.h"
 #include "Volume/VolumeSettings.h"
 
@@ -18,7 +19,7 @@ namespace treeamr
 class Field;
 struct Image;
 
-/// VTK's blend modes of values; composite for all others.
+/// VTK's blend modes of values, and slices; composite for all others.
 VolumeBlend convertBlendMode(int mode);
 bool blendsValues(vtkVolumeMapper* mapper);
 
@@ -33,12 +34,16 @@ bool hasGradientOpacity(vtkVolumeProperty* property);
 /// spacing: up to a quarter of the field's range, and constant beyond, as VTK's tables.
 std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* property, const Field& field);
 
+/// What the property's slice function shows, in data coordinates. Throws Error where it is no vtkPlane, as VTK's mapper
+/// takes no other.
+HalfSpace convertSlice(vtkVolume* volume);
+
 /// As VTK's mappers take the final colours of an image, premultiplied, from a window and level (a window of 1 about 0.5
 /// changes nothing).
 void applyColorWindow(double window, double level, Image& image);
 
-/// All of these but the last.
+/// All of these but the last. component: whose unit distance counts.
 VolumeSettings convertVolumeEffects(
-  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field);
+  vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field, int component);
 
 } // namespace treeamr

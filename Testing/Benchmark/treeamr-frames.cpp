@@ -99,6 +99,7 @@ public:
           return volume(lookingFrom({ 2.1, 1.7, 1.3 }, { 0.31, 0.52, 0.48 }, test::parallel(1e-6, 0.1, 10.)));
         } },
       { "means", [&] { return volume(makeCamera(pixels), {}, 4.); } },
+      { "nearest", [&] { return nearest(); } }, { "slice", [&] { return slice(); } },
       { "depths", [&] { return depths(makeCamera(pixels)); } },
       { "surfaces", [&] { return surfaces(makeCamera(pixels)); } },
       { "isosurface", [&] { return numbers(hits(makeCamera(pixels))); } },
@@ -111,6 +112,22 @@ public:
   }
 
 private:
+  std::vector<float> nearest()
+  {
+    VolumeSettings settings;
+    settings.nearest = true;
+    return volume(makeCamera(pixels), {}, settings);
+  }
+
+  std::vector<float> slice()
+  {
+    VolumeSettings settings;
+    settings.blend = VolumeBlend::Slice;
+    settings.unitDistance = 0.05;
+    settings.slice = { { 0.3, 0.5, 0.8 }, 0.79 };
+    return volume(makeCamera(pixels), {}, settings);
+  }
+
   std::vector<float> blend(VolumeBlend blend)
   {
     VolumeSettings settings;

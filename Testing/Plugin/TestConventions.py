@@ -19,8 +19,8 @@ SHOWN = {
     "Input", "Representation", "ColorArrayName", "LookupTable", "AmbientColor", "DiffuseColor",
     "BlockColors", "BlockOpacities", "BlockSelectors", "MultiComponentsMapping",
     "Position", "Scale", "Orientation", "Origin", "Pickable",
-    "Ambient", "Diffuse", "Specular", "SpecularPower"}
-SHOWN_OF_ISOSURFACES = {"SpecularColor", "Opacity", "Interpolation", "MapScalars"}
+    "Ambient", "Diffuse", "Specular", "SpecularPower", "MapScalars"}
+SHOWN_OF_ISOSURFACES = {"SpecularColor", "Opacity", "Interpolation"}
 
 
 def changed(prop):

@@ -5,6 +5,7 @@ import sys
 
 import numpy
 from paraview import servermanager, simple
+from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import scene
 
@@ -97,6 +98,39 @@ output.GetCellData().AddArray(array)
         scene.set_colour(self.representation.LookupTable, 0, 64, (0, 1, 0))
         self.assertTrue(scene.close((self.picture("two-arrays-green")[..., 1], two[..., 0])))
         self.representation.UseSeparateOpacityArray = 0
+
+    def test_components(self):
+        """Four of them are red, green, blue and opacity by its function; ParaView's names and defaults."""
+        vectors = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+values = numpy.tile([1.0, 0.5, 0.0, 3.0], (grid.GetNumberOfCells(), 1))
+values[0] = [0, 0, 0, 3]  # the root's, which is not drawn: the ends of the ranges
+values[1:2] = [1, 1, 1, 3]
+array = numpy_to_vtk(values, deep=1)
+array.SetName('rgba')
+grid.GetCellData().AddArray(array)
+""")
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(vectors, self.view)
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        simple.ColorBy(self.representation, ("CELLS", "rgba"))
+        scene.set_colour(self.representation.LookupTable, 0, 64, (0, 0, 1))
+        scene.set_opacity(self.representation.ScalarOpacityFunction, 0, 64, 0.5)
+        self.look_along_z()
+        self.assertEqual((1, 0), (self.representation.MapScalars, self.representation.MultiComponentsMapping))
+        mapped = self.picture("rgba-mapped")
+        self.assertEqual(0, mapped[..., :2].max())
+        self.representation.MultiComponentsMapping = 1
+        direct = self.picture("rgba")
+        self.assertGreater(direct[..., 0].max(), 100)
+        self.representation.MultiComponentsMapping = 0
+        self.representation.MapScalars = 0
+        self.assertTrue(scene.close((self.picture("rgba-not-mapped"), direct)))
+        self.representation.MapScalars = 1
+        self.assertTrue(scene.close((self.picture("rgba-mapped-again"), mapped)))
 
     def test_cropping(self):
         """As ParaView's Volume has it: the data's bounds, here 0 to 4, scaled and then moved."""
@@ -318,6 +352,45 @@ grid.GetCellData().AddArray(array)
             picture = self.picture(mode)
             self.assertTrue((picture[..., 0] == picture[..., 1]).all(), mode)
             self.assertGreater(len(numpy.unique(picture)), 10)
+
+    def test_slice(self):
+        """Of one value everywhere: the plane alone, whatever the unit distance; ParaView's name, plane and default."""
+        self.show(rgb=(1, 0, 0), opacity=0.5)
+        self.look_along_z()
+        self.assertEqual("Plane", self.representation.SliceFunction.SMProxy.GetXMLName())
+        self.representation.BlendMode = "Slice"
+        self.representation.SliceFunction.Origin = [2, 2, 1.3]
+        self.representation.SliceFunction.Normal = [0, 0, 1]
+        for unit in (0.5, 7):
+            self.representation.ScalarOpacityUnitDistance = unit
+            picture = self.picture(f"slice-{unit}")
+            drawn = picture[scene.drawn(picture)]
+            self.assertGreater(len(drawn), 1000)
+            self.assertTrue((abs(drawn - numpy.array([127.5, 0, 0])) < 1.6).all())
+        self.representation.SliceFunction.Origin = [2, 2, 5]
+        self.assertFalse(scene.drawn(self.picture("slice-beside")).any())
+
+    def test_interpolation_type(self):
+        """Linear is ParaView's default. Nearest has few colours: those of the cells that are seen."""
+        self.show()
+        self.assertEqual("Linear", self.representation.InterpolationType)
+        table = self.representation.LookupTable
+        table.ColorSpace = "RGB"
+        table.RGBPoints = [0, 0, 0, 0, 64, 1, 1, 1]
+        self.representation.ScalarOpacityFunction.Points = [0, 1, 0.5, 0, 64, 1, 0.5, 0]
+        self.look_along_z()
+        continuous = self.picture("linear")
+        self.representation.InterpolationType = "Nearest"
+        nearest = self.picture("nearest")
+        values = numpy.unique(nearest)
+        self.assertLess(len(values), 0.5 * len(numpy.unique(continuous)))
+        # Seen from above, the cells of a layer have the values of their centres.
+        cells = vtk_to_numpy(servermanager.Fetch(self.source).GetCellData().GetArray("xyz"))
+        colours = numpy.concatenate([[0], cells * 255 / 64])
+        for value in values:
+            self.assertLess(abs(colours - value).min(), 1.1)
+        self.representation.InterpolationType = "Linear"
+        self.assertTrue(scene.close((self.picture("linear-again"), continuous)))
 
     def test_categories(self):
         """Opaque, they are seen as on the surface of the grid."""

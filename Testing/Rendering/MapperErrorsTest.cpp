@@ -6,6 +6,7 @@
 #include "vtkContourValues.h"
 #include "vtkDoubleArray.h"
 #include "vtkPlane.h"
+#include "vtkSphere.h"
 
 #include <cmath>
 #include <functional>
@@ -202,12 +203,27 @@ TEST_F(MapperErrorsTest, pointData)
 
 TEST_F(MapperErrorsTest, blendModes)
 {
-  for (const int mode : { -1, 6 })
+  for (const int mode : { -1, 7 })
   {
     expectVolumeError(
-      { "blend mode " + std::to_string(mode), "0 (composite)", "5 (isosurface)" },
+      { "blend mode " + std::to_string(mode), "0 (composite)", "5 (isosurface)", "6 (slice)" },
       [&] { volumeMapper_->SetBlendMode(mode); }, [&] { volumeMapper_->SetBlendModeToComposite(); });
   }
+}
+
+TEST_F(MapperErrorsTest, sliceFunctions)
+{
+  volumeMapper_->SetBlendModeToSlice();
+  vtkVolumeProperty* property = volume_->GetProperty();
+  vtkNew<vtkPlane> plane;
+  property->SetSliceFunction(plane);
+  vtkNew<vtkSphere> sphere;
+  expectVolumeError(
+    { "no slice function", "vtkPlane" }, [&] { property->SetSliceFunction(nullptr); },
+    [&] { property->SetSliceFunction(plane); });
+  expectVolumeError(
+    { "vtkSphere", "vtkPlane" }, [&] { property->SetSliceFunction(sphere); },
+    [&] { property->SetSliceFunction(plane); });
 }
 
 TEST_F(MapperErrorsTest, samplesPerCell)

@@ -248,6 +248,20 @@ TEST_F(MapperSettingsTest, lightAndBlendModesHaveAnEffectWithoutAWord)
     volumeMapper_->SetBlendMode(mode);
     expectOther("BlendMode");
   }
+  property->DisableGradientOpacityOn();
+  volumeMapper_->SetBlendModeToComposite();
+  expectOther("DisableGradientOpacity");
+  property->SetInterpolationTypeToNearest();
+  expectOther("InterpolationType");
+  vtkNew<vtkPlane> plane;
+  plane->SetNormal(0.2, 0.5, 0.9);
+  property->SetSliceFunction(plane);
+  volumeMapper_->SetBlendModeToSlice();
+  expectOther("slice BlendMode");
+  plane->SetOrigin(0.2, 0.3, 0.2);
+  expectOther("SliceFunction");
+  volumeMapper_->SetBlendMode(vtkVolumeMapper::ADDITIVE_BLEND);
+  last = scene_.render();
   // What such pictures cannot hold, or categories not have, is said.
   ASSERT_EQ(messages.warnings.size(), 1u);
   EXPECT_NE(messages.warnings[0].find("GradientOpacity with the maximum"), std::string::npos);

@@ -183,6 +183,7 @@ vtkVolume* Scene::addVolume(vtkHyperTreeGrid* grid, const char* array, const Col
   volume->GetProperty()->SetColor(colors);
   volume->GetProperty()->SetScalarOpacity(opacity);
   volume->GetProperty()->SetScalarOpacityUnitDistance(1.);
+  volume->GetProperty()->SetInterpolationTypeToLinear();
   this->renderer->AddVolume(volume);
   return volume;
 }

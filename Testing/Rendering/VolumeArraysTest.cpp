@@ -4,9 +4,11 @@
 #include "VolumePair.h"
 
 #include "vtkCellData.h"
+#include "vtkColorTransferFunction.h"
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkPiecewiseFunction.h"
 #include "vtkVolumeProperty.h"
 
 #include <cmath>
@@ -42,6 +44,78 @@ TEST_F(VolumeArraysTest, dependentComponentsAsVTK)
   EXPECT_LT(pair.difference(), tolerance);
   pair.showOurs();
   EXPECT_NE(pair.scene.render(), before);
+}
+
+TEST_F(VolumeArraysTest, fourDependentComponentsAsVTK)
+{
+  VolumePair pair;
+  pair.useComponents("rgba", 4);
+  pair.property()->IndependentComponentsOff();
+  pair.property()->SetScalarOpacityUnitDistance(3, 0.2);
+  MessageCounter messages(pair.mapper());
+  EXPECT_LT(pair.difference(), tolerance);
+  // By the gradient of the opacity's component. VTK's shader wants coefficients of that one, too, and gets the first's.
+  pair.showOurs();
+  const auto unlit = pair.scene.render();
+  pair.property()->ShadeOn();
+  const auto lit = pair.scene.render();
+  int darker = 0;
+  for (std::size_t i = 0; i < lit.size(); ++i)
+  {
+    EXPECT_NEAR(lit[i][3], unlit[i][3], 1.5 / 255.);
+    darker += lit[i][0] + lit[i][1] + lit[i][2] < 0.9 * (unlit[i][0] + unlit[i][1] + unlit[i][2]);
+  }
+  EXPECT_GT(darker, 1000);
+  pair.property()->ShadeOff();
+  pair.property()->SetInterpolationTypeToNearest();
+  EXPECT_LT(pair.difference(), tolerance) << "nearest";
+  EXPECT_TRUE(messages.warnings.empty());
+  EXPECT_TRUE(messages.errors.empty());
+}
+
+TEST_F(VolumeArraysTest, independentComponentsAsVTK)
+{
+  for (const int count : { 2, 3, 4 })
+  {
+    VolumePair pair;
+    pair.useComponents("components", count);
+    pair.mapper()->SetVectorMode(vtkTreeAMRVolumeMapper::DISABLED);
+    vtkVolumeProperty* property = pair.property();
+    for (int i = 1; i < count; ++i)
+    {
+      vtkNew<vtkColorTransferFunction> colors;
+      colors->AddRGBPoint(0., 0.2 * i, 0.9, 0.1);
+      colors->AddRGBPoint(1., 0.9, 0.3 * i, 0.7);
+      vtkNew<vtkPiecewiseFunction> opacities;
+      opacities->AddPoint(0., 0.3 / i);
+      opacities->AddPoint(0.5, 0.);
+      opacities->AddPoint(1., 0.2);
+      property->SetColor(i, colors);
+      property->SetScalarOpacity(i, opacities);
+      property->SetScalarOpacityUnitDistance(i, 0.2);
+    }
+    MessageCounter messages(pair.mapper());
+    EXPECT_LT(pair.difference(), tolerance) << count;
+    pair.showOurs();
+    const auto evenly = pair.scene.render();
+    property->SetComponentWeight(0, 0.5);
+    property->SetComponentWeight(count - 1, 0.8);
+    EXPECT_LT(pair.difference(), tolerance) << count << ", weights";
+    pair.showOurs();
+    EXPECT_NE(pair.scene.render(), evenly);
+    property->SetInterpolationTypeToNearest();
+    EXPECT_LT(pair.difference(), tolerance) << count << ", nearest";
+    EXPECT_TRUE(messages.warnings.empty());
+    // What they have not is said once.
+    pair.showOurs();
+    property->ShadeOn();
+    pair.scene.render();
+    pair.mapper()->SetBlendModeToMaximumIntensity();
+    pair.scene.render();
+    ASSERT_EQ(messages.warnings.size(), 4u);
+    EXPECT_NE(messages.warnings[0].find("Shade of independent"), std::string::npos) << messages.warnings[0];
+    EXPECT_TRUE(messages.errors.empty());
+  }
 }
 
 TEST_F(VolumeArraysTest, anOpacityArrayIsTheSecondOfAPair)

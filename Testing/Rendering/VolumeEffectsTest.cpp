@@ -7,8 +7,10 @@
 #include "vtkContourValues.h"
 #include "vtkLight.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkPlane.h"
 #include "vtkRenderer.h"
 #include "vtkTable.h"
+#include "vtkTransform.h"
 #include "vtkVariant.h"
 #include "vtkVolumeProperty.h"
 
@@ -136,6 +138,129 @@ TEST_F(VolumeEffectsTest, blendModesAsVTK)
     mapper->SetAverageIPScalarRange(0.3, 0.8);
   };
   EXPECT_LT(pair.difference(averageOfARange), tolerance) << "average of a range";
+}
+
+// VTK's nearest: each cell one value, and by the gradient at its centre where it is lit.
+TEST_F(VolumeEffectsTest, nearestAsVTK)
+{
+  VolumePair pair;
+  const double linear = pair.difference();
+  pair.showOurs();
+  const auto continuous = pair.scene.render();
+  pair.property()->SetInterpolationTypeToNearest();
+  EXPECT_LT(pair.difference(), tolerance) << "linear " << linear;
+  pair.showOurs();
+  EXPECT_NE(pair.scene.render(), continuous);
+  vtkTable* statistics = pair.mapper()->GetStatistics();
+  EXPECT_EQ(statistics->GetValueByName(0, "KeptBytes").ToInt(), 0);
+  EXPECT_EQ(statistics->GetValueByName(0, "ReconstructedBlocks").ToInt(), 0);
+  setLight(pair.property());
+  EXPECT_LT(pair.difference(), tolerance) << "lit";
+  vtkNew<vtkPiecewiseFunction> function;
+  function->AddPoint(0., 0.);
+  function->AddPoint(0.03, 0.2);
+  function->AddPoint(0.06, 1.);
+  pair.property()->SetGradientOpacity(function);
+  EXPECT_LT(pair.difference(), tolerance) << "lit, by gradients";
+  pair.property()->ShadeOff();
+  pair.property()->DisableGradientOpacityOn();
+  for (const int mode : { vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND, vtkVolumeMapper::MINIMUM_INTENSITY_BLEND,
+         vtkVolumeMapper::AVERAGE_INTENSITY_BLEND, vtkVolumeMapper::ADDITIVE_BLEND })
+  {
+    EXPECT_LT(pair.difference([mode](vtkVolumeMapper* mapper) { mapper->SetBlendMode(mode); }), tolerance)
+      << mode;
+  }
+}
+
+// VTK's default, as of its own mappers.
+TEST_F(VolumeEffectsTest, nearestIsTheDefault)
+{
+  VolumePair pair;
+  pair.property()->SetInterpolationTypeToNearest();
+  const auto nearest = pair.scene.render();
+  vtkNew<vtkVolumeProperty> untouched;
+  pair.property()->SetInterpolationType(untouched->GetInterpolationType());
+  EXPECT_EQ(pair.scene.render(), nearest);
+}
+
+TEST_F(VolumeEffectsTest, slicesAsVTK)
+{
+  const auto slice = [](vtkVolumeMapper* mapper) { mapper->SetBlendModeToSlice(); };
+  VolumePair pair;
+  vtkNew<vtkPlane> plane;
+  plane->SetOrigin(0.11, -0.07, 0.05);
+  plane->SetNormal(0.3, 0.5, 0.8);
+  pair.property()->SetSliceFunction(plane);
+  const double plain = pair.difference(slice);
+  EXPECT_LT(plain, tolerance);
+  // The unit distance has no part.
+  pair.property()->SetScalarOpacityUnitDistance(3.);
+  EXPECT_NEAR(pair.difference(slice), plain, 0.01);
+  pair.scene.setCamera(true);
+  EXPECT_LT(pair.difference(slice), tolerance) << "parallel";
+  pair.scene.setCamera();
+  setLight(pair.property());
+  EXPECT_LT(pair.difference(slice), tolerance) << "lit";
+  pair.property()->ShadeOff();
+  pair.property()->SetInterpolationTypeToNearest();
+  EXPECT_LT(pair.difference(slice), tolerance) << "nearest";
+  pair.property()->SetInterpolationTypeToLinear();
+  // The plane is in world coordinates, what it cuts moves.
+  vtkNew<vtkTransform> transform;
+  transform->RotateWXYZ(30., 0.2, 1., 0.4);
+  transform->Translate(0.2, 0.1, -0.1);
+  pair.move(transform);
+  EXPECT_LT(pair.difference(slice), tolerance) << "moved";
+  const auto cut = [&](vtkVolumeMapper* mapper) {
+    slice(mapper);
+    mapper->CroppingOn();
+    mapper->SetCroppingRegionPlanes(-0.5, 0.6, -0.4, 0.7, -0.3, 0.5);
+    mapper->SetCroppingRegionFlagsToSubVolume();
+  };
+  EXPECT_LT(pair.difference(cut), tolerance) << "cropped";
+  pair.showOurs();
+  const auto cropped = pair.scene.render();
+  pair.mapper()->CroppingOff();
+  EXPECT_NE(pair.scene.render(), cropped);
+}
+
+// Before and behind what is opaque, and in the segments of depth peeling between what is translucent.
+TEST_F(VolumeEffectsTest, slicesHaveTheirDepth)
+{
+  const Color orange{ 0.9, 0.5, 0.2 };
+  const Color blue{ 0.1, 0.2, 0.9 };
+  for (const double side : { -1., 1. })
+  {
+    for (const bool isPeeling : { false, true })
+    {
+      Scene scene;
+      vtkVolume* volume = scene.addVolume(makeTestGrid(), "one", orange, 0.8);
+      Scene::mapperOf(volume)->SetBlendModeToSlice();
+      vtkNew<vtkPlane> plane;
+      plane->SetOrigin(0., 0., 0.1);
+      volume->GetProperty()->SetSliceFunction(plane);
+      const double opacity = volume->GetProperty()->GetScalarOpacity()->GetValue(1.);
+      const double ofRectangle = isPeeling ? 0.4 : 1.;
+      scene.addRectangle({ 0., 0., 0.1 + 0.05 * side }, { 0.5, 0., 0. }, { 0., 0.5, 0. }, blue, ofRectangle);
+      scene.renderer->SetUseDepthPeeling(isPeeling);
+      scene.renderer->SetUseDepthPeelingForVolumes(isPeeling);
+      scene.setCameraAlongZ();
+      const auto pixels = scene.render();
+      const Layer slice{ orange, opacity };
+      const Layer rectangle{ blue, ofRectangle };
+      const bool isBehind = side < 0.; // the camera looks down
+      const Color expected = composite(
+        isBehind ? std::vector{ slice, rectangle } : std::vector{ rectangle, slice }, { 0., 0., 0. });
+      const Color beside = composite({ slice }, { 0., 0., 0. });
+      const auto at = [&](int x, int y) { return pixels[static_cast<std::size_t>(y) * scene.width() + x]; };
+      for (int c = 0; c < 3; ++c)
+      {
+        EXPECT_NEAR(at(scene.width() / 2, scene.height() / 2)[c], expected[c], 2.5 / 255.)
+          << side << isPeeling;
+        EXPECT_NEAR(at(scene.width() / 2, 2)[c], beside[c], 2.5 / 255.) << side << isPeeling;
+      }
+    }
+  }
 }
 
 // In the segments of depth peeling each side of a translucent rectangle has its own maximum.

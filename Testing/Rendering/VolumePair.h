@@ -92,22 +92,31 @@ public:
     scene.setCamera();
   }
 
-  /// Draws an array "pair" of two dependent components: the other waves, which colour, and the waves.
+  /// Draws an array of two dependent components: the other waves, which colour, and the waves.
   void usePairs()
+  {
+    useComponents("pair", 2);
+    property()->IndependentComponentsOff();
+  }
+  /// Draws an array of two to four: the other waves first, and last the waves.
+  void useComponents(const char* name, int count)
   {
     for (vtkCellData* cells : { grid_->GetCellData(), image_->GetCellData() })
     {
-      vtkNew<vtkDoubleArray> pair;
-      pair->SetName("pair");
-      pair->SetNumberOfComponents(2);
+      vtkNew<vtkDoubleArray> array;
+      array->SetName(name);
+      array->SetNumberOfComponents(count);
       for (vtkIdType i = 0; i < cells->GetArray("wave")->GetNumberOfTuples(); ++i)
       {
-        pair->InsertNextTuple2(cells->GetArray("other")->GetTuple1(i), cells->GetArray("wave")->GetTuple1(i));
+        const double wave = cells->GetArray("wave")->GetTuple1(i);
+        const double other = cells->GetArray("other")->GetTuple1(i);
+        std::array<double, 4> values{ other, 1. - wave * other, std::sqrt(other), wave };
+        values[count - 1] = wave;
+        array->InsertNextTuple(values.data());
       }
-      cells->SetScalars(pair);
+      cells->SetScalars(array);
     }
-    mapper()->SelectScalarArray("pair");
-    property()->IndependentComponentsOff();
+    mapper()->SelectScalarArray(name);
   }
 
   void move(vtkTransform* transform)

@@ -106,6 +106,14 @@ public:
     }
     path.descend(octant);
   }
+  /// At all vertices.
+  void useCentre() noexcept
+  {
+    for (auto& component : components_)
+    {
+      component.fill(component[13]);
+    }
+  }
   /// p: as LeafField has it.
   Vec3 operator()(const std::array<double, 3>& p) const noexcept
   {
@@ -143,7 +151,7 @@ public:
     , line_(converged ? std::make_optional<LineIntegral>(transferFunction) : std::nullopt)
     , ranges_(settings.skipEmpty ? &field.nodeRanges() : nullptr)
     , path_(field.octree())
-    , isLit_(settings.blend == VolumeBlend::Composite && !transferFunction.hasCategories() &&
+    , isLit_(!blendsValues(settings.blend) && !transferFunction.hasCategories() &&
         (settings.shading || settings.gradientOpacity))
     , evaluator_(field)
   {
@@ -163,6 +171,10 @@ public:
         TileRay tileRay{ SlabRay(ray), stops_.parts(camera_, ray, x, y), 1., {}, {} };
         tileRay.slab.enterUpperFaces(field_.octree().grid().bounds());
         tileRay.ray = ray;
+        if (settings_.blend == VolumeBlend::Slice)
+        {
+          leaveSlice(tileRay);
+        }
         if (stops_.hits)
         {
           const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
@@ -202,6 +214,22 @@ public:
   const VolumeStatistics& statistics() const noexcept { return statistics_; }
 
 private:
+  /// Of a ray's parts what begins in the plane, to the next number.
+  void leaveSlice(TileRay& ray) const noexcept
+  {
+    const auto& [normal, offset] = settings_.slice;
+    const double at = (offset - dot(normal, ray.ray.origin)) / dot(normal, ray.ray.direction);
+    RayParts met;
+    for (int i = 0; i < ray.parts.count; ++i)
+    {
+      if (ray.parts.begin[i] <= at && at < ray.parts.end[i])
+      {
+        met.add(at, std::nextafter(at, std::numeric_limits<double>::infinity()));
+      }
+    }
+    ray.parts = met;
+  }
+
   /// To those between the ray's depths.
   void trimHits(TileRay& tileRay, const Ray& ray, std::size_t pixel) const noexcept
   {
@@ -409,7 +437,7 @@ private:
       return;
     }
     VertexValues values;
-    if (transferFunction_.hasCategories())
+    if (transferFunction_.hasCategories() || settings_.nearest)
     {
       values.fill(field_.relative(path_.node()));
     }
@@ -429,11 +457,19 @@ private:
     if (colors_)
     {
       colorValues = vertexValues<VertexRule::GTI>(path_, colors_->field, colorMemo_);
+      if (settings_.nearest)
+      {
+        colorValues.fill(static_cast<float>(colors_->field.relative(path_.node())));
+      }
       color_.emplace(colorValues, hull(colorValues));
     }
     if (isLit_)
     {
       gradient_.emplace(path_, evaluator_);
+      if (settings_.nearest)
+      {
+        gradient_->useCentre();
+      }
     }
     std::array<double, 3> halfWidths; // per data coordinate
     for (int a = 0; a < 3; ++a)
@@ -485,7 +521,8 @@ private:
     }
     const double widths = 0.5 * std::sqrt(squared) * length;
     const int samples = std::max(1, static_cast<int>(std::ceil(widths * settings_.samplesPerCell)));
-    const double step = length / samples;
+    const bool isSlice = settings_.blend == VolumeBlend::Slice;
+    const double step = isSlice ? settings_.unitDistance : length / samples;
     const auto fieldAt = [&](double f) {
       return leafField(
         { position[0] + f * perLength[0], position[1] + f * perLength[1], position[2] + f * perLength[2] });
@@ -497,7 +534,7 @@ private:
       ends[a + 1] = std::isnan(ends[a + 1]) ? 1. : ends[a + 1];
     }
     std::sort(ends.begin(), ends.end());
-    if (settings_.blend != VolumeBlend::Composite)
+    if (blendsValues(settings_.blend))
     {
       addValues(ray, fieldAt, ends, length, samples);
       statistics_.samples += samples;

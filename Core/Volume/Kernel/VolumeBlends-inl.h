@@ -133,6 +133,14 @@ public:
     return steps;
   }
 
+  /// Takes some rays from `ray` on through a constant.
+  HWY_INLINE void take(Mask<Real> taken, Reals<Real> place, int ray)
+  {
+    const RealTag<Real> d;
+    const Reals<Real> most = hn::Load(d, most_ + ray);
+    hn::Store(hn::IfThenElse(taken, hn::Max(most, place), most), d, most_ + ray);
+  }
+
   /// Whether rays from `ray` on have the most that there is.
   Mask<Real> areDone(int ray) const
   {
@@ -273,6 +281,19 @@ public:
     hn::Store(mulAdd(count, span.depthPerExtinction, hn::Load(d, length_ + ray)), d, length_ + ray);
   }
 
+  /// Takes some rays from `ray` on through a constant, whose extinction the table has, over lengths.
+  HWY_INLINE void take(
+    Mask<Real> taken, Reals<Real> place, Reals<Real> extinction, Reals<Real> lengths, int ray)
+  {
+    const RealTag<Real> d;
+    const Mask<Real> isCounted = hn::And(
+      taken, hn::And(hn::Ge(place, hn::Set(d, firstCounted_)), hn::Le(place, hn::Set(d, lastCounted_))));
+    const Reals<Real> count = hn::IfThenElseZero(isCounted, lengths);
+    const Reals<Real> opacity = heldBack(hn::Neg(hn::Mul(extinction, hn::Set(d, depthOfUnit()))));
+    hn::Store(mulAdd(count, hn::Mul(opacity, place), hn::Load(d, sum_ + ray)), d, sum_ + ray);
+    hn::Store(hn::Add(count, hn::Load(d, length_ + ray)), d, length_ + ray);
+  }
+
   /// crosses: whether any of the ray is in the domain.
   std::array<Real, 4> result(int ray, bool crosses) const
   {
@@ -299,11 +320,7 @@ public:
 
 private:
   double diagonal() const noexcept { return diagonalOf(scene_.field.octree().grid().bounds()); }
-  /// Of a unit of the entries' extinction over the unit distance.
-  Real depthOfUnit() const noexcept
-  {
-    return static_cast<Real>(std::min<double>(scene_.settings.unitDistance / diagonal(), farthestPlace));
-  }
+  Real depthOfUnit() const noexcept { return static_cast<Real>(scene_.unitDepth); }
 
   const VolumeKernelScene& scene_;
   bool isAverage_;

@@ -94,7 +94,7 @@ public:
       compute(path, cells);
       range = values_.range;
     }
-    if (scene_.settings.skipEmpty && !isWanted<Loop>(scene_, range))
+    if (scene_.ranges && !isWanted<Loop>(scene_, range))
     {
       if (!found.record && hasSteps(range))
       {
@@ -166,7 +166,7 @@ private:
     if (block.preIntegrate)
     {
       return block.toTable.scale >
-        scene_.table.integrals->finestStep(block.toTable.first, block.toTable.last);
+        scene_.partOfFinestStep * scene_.table.integrals->finestStep(block.toTable.first, block.toTable.last);
     }
     return !(block.toTable.scale < 4 / BlockRecord::steps * scene_.table.last);
   }
@@ -211,7 +211,12 @@ private:
     const double lit =
       Loop == VolumeLoop::Lit ? variation + table.entries[firstEntry].extinction * std::numbers::ln2 : 0.;
     block.variation = static_cast<Real>(variation + lit);
-    block.preIntegrate = Loop == VolumeLoop::Colors ||
+    if (Loop == VolumeLoop::Lit && scene_.isOfMany())
+    {
+      block.variation = 0x1p60; // no limit: the others vary, too
+    }
+    const bool isSlice = scene_.features.slices && scene_.features.preIntegration;
+    block.preIntegrate = Loop == VolumeLoop::Colors || isSlice ||
       (scene_.features.preIntegration &&
         (table.rough[lastEntry] > table.rough[firstEntry] || isFlat(width * scale) ||
           !pointsSuffice(scene_,

@@ -34,7 +34,7 @@ class LightOnRays;
 template <class Real>
 class GradientSource;
 template <class Real>
-class ColorSource;
+class MixtureSource;
 template <class Real, VolumeLoop Loop>
 class RayBlends;
 /// Of all others.
@@ -42,7 +42,7 @@ struct Nothing
 {
   explicit Nothing(const VolumeKernelScene& /*scene*/) {}
 };
-struct NoColors : Nothing // empty members of one type would not share their place
+struct NoMixture : Nothing // empty members of one type would not share their place
 {
   using Nothing::Nothing;
 };
@@ -62,7 +62,7 @@ public:
   explicit TileIntervals(const VolumeKernelScene& scene)
     : Rays(scene)
     , gradients_(scene)
-    , colors_(scene)
+    , mixture_(scene)
     , blends_(scene)
     , scene_(scene)
     , table_(&scene.table.entries.data()->r)
@@ -141,8 +141,17 @@ public:
     std::fill_n(samples_, lanes<Real>, 0);
   }
 
+  /// One for each of these lanes.
+  HWY_INLINE void countSamplesOf(Mask<Real> lanes)
+  {
+    const RealTag<Real> d;
+    const IntTag<Real> di;
+    const Reals<Real> ones = hn::IfThenElseZero(lanes, hn::Set(d, Real(1)));
+    hn::Store(hn::Add(hn::Load(di, samples_), truncated<Real>(ones)), di, samples_);
+  }
+
   [[no_unique_address]] std::conditional_t<isLit, GradientSource<Real>, Nothing> gradients_;
-  [[no_unique_address]] std::conditional_t<isLit, ColorSource<Real>, NoColors> colors_;
+  [[no_unique_address]] std::conditional_t<isLit, MixtureSource<Real>, NoMixture> mixture_;
   std::conditional_t<isComposite, Nothing, RayBlends<Real, Loop>> blends_;
   VolumeStatistics statistics_;
 
@@ -288,7 +297,7 @@ protected:
     const Reals<Real> wanted =
       hn::Mul(hn::Min(widths, variation), hn::Set(d, samplesPerCell_ * samplesPerCell_));
     const Real mostSamples = chooseSteps<Real>(hn::IfThenElseZero(crosses, wanted), length, span);
-    span.depthPerExtinction = hn::Mul(span.step, lengthPerT);
+    span.depthPerExtinction = depthPerExtinction(span.step, lengthPerT);
     span.samples = hn::IfThenElseZero(crosses, span.samples);
     const IntTag<Real> di;
     hn::Store(hn::Add(hn::Load(di, samples_), nearest<Real>(span.samples)), di, samples_);
@@ -330,6 +339,16 @@ protected:
     finishWhere(hn::Gt(light.opacity, hn::Set(d, opaque_)), ray);
   }
 
+  /// Of steps of t: a slice counts as the unit distance.
+  HWY_INLINE Reals<Real> depthPerExtinction(Reals<Real> step, Reals<Real> lengthPerT) const
+  {
+    if (isLit && scene_.features.slices)
+    {
+      return hn::Set(RealTag<Real>(), static_cast<Real>(scene_.unitDepth));
+    }
+    return hn::Mul(step, lengthPerT);
+  }
+
   /// Ends rays from `ray` on.
   HWY_INLINE void finishWhere(Mask<Real> done, int ray)
   {
@@ -369,7 +388,7 @@ protected:
         direction[a] = hn::Load(d, direction_[a] + ray);
         start[a] = mulAdd(begin, direction[a], hn::Load(d, origin_[a] + ray));
       }
-      return LightOnRays<Real>(*scene_.illumination, gradients_.block(), colors_.block(), start, direction);
+      return LightOnRays<Real>(*scene_.illumination, gradients_.block(), mixture_.blocks(), start, direction);
     }
     else
     {

@@ -21,7 +21,7 @@ namespace treeamr
 enum class VolumeLoop
 {
   Plain,   // composite, of the transfer function alone
-  Lit,     // composite, with light, gradient opacity or colours by another field
+  Lit,     // composite, with light, gradient opacity or colours by another field; slices
   Extreme, // maximum or minimum
   Sum,     // average or additive
   Colors   // none of its own: of blocks whose field colours a lit loop, by rows of its table's integrals
@@ -39,10 +39,28 @@ struct SceneFeatures
   bool commonOrigin = true;    // all rays start at one point; compiled apart
   bool doubles = false;        // floats do not resolve the view, the domain or the values; compiled apart
   bool preIntegration = false; // some cell may vary more than samples of the table can follow
-  bool categories = false;     // each leaf is one constant
+  bool constants = false;      // each leaf is one: of categories, and where nothing is reconstructed
+  bool means = false;          // nodes may be drawn from their means
+  bool slices = false;         // rays are where they meet a plane alone; of lit loops
 };
 
 struct VolumeKernelScene;
+
+/// What other fields are to a sample.
+enum class VolumeMixing
+{
+  Colors,     // one colours it
+  Channels,   // three are its red, green and blue, as each one's function has them
+  Independent // up to four, each with colours and extinctions, among them the volume's own
+};
+
+struct KernelMixture
+{
+  VolumeMixing mixing;
+  /// Of the same view and octree, their tables with integrals.
+  std::vector<std::shared_ptr<const VolumeKernelScene>> parts;
+  std::array<float, 4> weights; // of what is independent
+};
 
 /// A power of cosines.
 struct Falloff
@@ -117,8 +135,9 @@ struct VolumeKernelScene
     const RayView& view, const VolumeSettings& settings, BlockCache& kept, GradientCache* gradients,
     Image* image);
 
-  /// other: of the same view and octree, its table with integrals.
-  void colorBy(std::shared_ptr<const VolumeKernelScene> other);
+  void mix(KernelMixture others);
+  /// Whether what is seen is not the transfer function's alone.
+  bool isOfMany() const noexcept { return mixture && mixture->mixing == VolumeMixing::Independent; }
 
   const Field& field;
   const TransferFunction& transferFunction;
@@ -141,8 +160,11 @@ struct VolumeKernelScene
   /// Width of a pixel at the kernel's t, in kernel units: at t = 0, and its growth.
   double pixelWidth;
   double pixelGrowth;
-  std::optional<VolumeIllumination> illumination;  // of lit loops
-  std::shared_ptr<const VolumeKernelScene> colors; // of lit loops; null: the transfer function's
+  std::optional<VolumeIllumination> illumination; // of lit loops
+  std::optional<KernelMixture> mixture;           // of lit loops
+  double unitDepth;                               // of the unit distance, per extinction of the table
+  double partOfFinestStep =
+    1.; // of values: less for slices, in which the table's least depth is the unit distance
   /// Of the loops that sample values themselves: their places are (value - placeOrigin) * perValue, 0 to 1 in the
   /// field's range, in that of a minimum from the largest value to the smallest.
   double placeOrigin;

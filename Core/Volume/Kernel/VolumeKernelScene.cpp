@@ -19,6 +19,8 @@ VolumeLoop volumeLoop(const VolumeSettings& settings, bool hasCategories) noexce
     case VolumeBlend::Average:
     case VolumeBlend::Additive:
       return VolumeLoop::Sum;
+    case VolumeBlend::Slice:
+      return VolumeLoop::Lit;
     default:
       return usesGradients(settings, hasCategories) ? VolumeLoop::Lit : VolumeLoop::Plain;
   }
@@ -26,16 +28,15 @@ VolumeLoop volumeLoop(const VolumeSettings& settings, bool hasCategories) noexce
 
 bool usesGradients(const VolumeSettings& settings, bool hasCategories) noexcept
 {
-  return settings.blend == VolumeBlend::Composite && !hasCategories &&
-    (settings.shading || settings.gradientOpacity);
+  return !blendsValues(settings.blend) && !hasCategories && (settings.shading || settings.gradientOpacity);
 }
 
 VolumeIllumination::VolumeIllumination(const VolumeSettings& settings, const VolumeKernelScene& scene)
   : usesGradients(scene.gradients)
-  , shades(settings.shading.has_value())
+  , shades(usesGradients && settings.shading)
   , gradientOpacity(nullptr)
 {
-  if (settings.gradientOpacity)
+  if (usesGradients && settings.gradientOpacity)
   {
     const GradientOpacity& function = *settings.gradientOpacity;
     gradientOpacity = function.entries.data();
@@ -49,7 +50,7 @@ VolumeIllumination::VolumeIllumination(const VolumeSettings& settings, const Vol
       : hidden > 0. && entriesPerLength > 0.         ? (hidden - 1.) / entriesPerLength
                                                      : -1.;
   }
-  if (settings.shading)
+  if (shades)
   {
     place(*settings.shading, scene);
   }
@@ -159,31 +160,48 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   place();
   measurePixels();
   features.doubles = settings.doubles || !table.fitsSinglePrecision || !resolves();
-  features.categories = transferFunction.hasCategories();
-  features.loop = volumeLoop(settings, features.categories);
+  const bool hasCategories = transferFunction.hasCategories();
+  features.constants = hasCategories || settings.nearest;
+  features.means = settings.levelOfDetailPixels > 0. && !hasCategories;
+  features.slices = settings.blend == VolumeBlend::Slice;
+  features.loop = volumeLoop(settings, hasCategories);
   const double width = static_cast<double>(field.range().max) - field.range().min;
   const bool isMinimum = settings.blend == VolumeBlend::Minimum;
   placeOrigin = isMinimum ? field.range().max : field.range().min;
   perValue = width > 0. ? (isMinimum ? -1. : 1.) / width : 0.;
-  if (gradients)
+  unitDepth = std::min(settings.unitDistance / diagonalOf(field.octree().grid().bounds()), farthestPlace);
+  if (features.slices)
+  {
+    partOfFinestStep =
+      std::min(1., relativeLeafWidth(field.octree().grid(), field.octree().leafLevels()) / unitDepth);
+  }
+  if (gradients || features.slices)
   {
     illumination.emplace(settings, *this);
   }
-  const bool isComposite = settings.blend == VolumeBlend::Composite;
-  if (isComposite && !features.categories && settings.preIntegration)
+  if (!blendsValues(settings.blend) && !features.constants && settings.preIntegration)
   {
     const HullTerms all{ table.variation.back(), table.curvature.back(),
       std::max<double>(table.last, width * transferFunction.scale() * table.perEntry) };
-    features.preIntegration = !transferFunction.nodes().empty() || table.rough.back() > 0 ||
-      !pointsSuffice(*this, all, relativeLeafWidth(field.octree().grid(), 0));
+    features.preIntegration = features.slices || !transferFunction.nodes().empty() ||
+      table.rough.back() > 0 || !pointsSuffice(*this, all, relativeLeafWidth(field.octree().grid(), 0));
   }
 }
 
-void VolumeKernelScene::colorBy(std::shared_ptr<const VolumeKernelScene> other)
+void VolumeKernelScene::mix(KernelMixture others)
 {
-  colors = std::move(other);
+  mixture = std::move(others);
   features.loop = VolumeLoop::Lit;
-  features.doubles = features.doubles || colors->features.doubles;
+  for (const auto& part : mixture->parts)
+  {
+    features.doubles = features.doubles || part->features.doubles;
+  }
+  if (mixture->mixing == VolumeMixing::Independent)
+  {
+    // Seen is what any of them shows, and by points.
+    ranges = nullptr;
+    features.preIntegration = false;
+  }
   if (!illumination)
   {
     illumination.emplace(settings, *this);

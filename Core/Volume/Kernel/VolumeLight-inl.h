@@ -20,11 +20,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <type_traits>
+#include <vector>
 
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
@@ -122,12 +125,13 @@ struct GradientBlock
   Real stepLength = 0;
 };
 
-/// The vertex values of a block of the field that colours.
+/// The vertex values of blocks of other fields.
 template <class Real>
-struct ColorBlock
+struct MixedBlocks
 {
-  const IntegralTable* table = nullptr; // of constant extinction; null: nothing colours
-  Block<Real> block{};
+  const KernelMixture* mixture = nullptr; // null: there are none
+  const IntegralTable* tables[4] = {};
+  Block<Real> blocks[4] = {};
 };
 
 /// What the gradient at samples does, and what colours them.
@@ -135,7 +139,7 @@ template <class Real>
 struct LightEffect
 {
   Reals<Real> color[3];
-  Reals<Real> opacity; // times the extinction
+  Reals<Real> opacity; // times the extinction; of many components it is that
   Reals<Real> times[3];
   Reals<Real> plus[3];
 };
@@ -150,9 +154,9 @@ public:
 
   /// start: of the rays, in kernel coordinates.
   HWY_INLINE LightOnRays(const VolumeIllumination& scene, const GradientBlock<Real>& gradients,
-    const ColorBlock<Real>& colors, const Reals3<Real>& start, const Reals3<Real>& direction)
+    const MixedBlocks<Real>& mixed, const Reals3<Real>& start, const Reals3<Real>& direction)
     : scene_(scene)
-    , colors_(colors)
+    , mixed_(mixed)
     , gradients_{ typename GradientBlock<Real>::Values{ gradients.steps[0] },
       typename GradientBlock<Real>::Values{ gradients.steps[1] },
       typename GradientBlock<Real>::Values{ gradients.steps[2] } }
@@ -179,15 +183,21 @@ public:
     normalize<Real>(sight_);
   }
 
+  /// Whether effects have the extinctions.
+  HWY_INLINE bool isOfMany() const
+  {
+    return mixed_.mixture && mixed_.mixture->mixing == VolumeMixing::Independent;
+  }
+
   /// At spots that rays reach after a part of t.
   HWY_INLINE Effect at(const Spot<Real>& spot, Reals<Real> along) const
   {
     const RealTag<Real> d;
     Effect effect;
     effect.opacity = hn::Set(d, Real(1));
-    if (colors_.table)
+    if (mixed_.mixture)
     {
-      this->color(spot, effect);
+      this->mix(spot, effect);
     }
     if (!scene_.usesGradients)
     {
@@ -223,7 +233,7 @@ public:
   /// Colours, which have been multiplied by `whole`.
   HWY_INLINE void shade(const Effect& effect, Reals<Real> whole, Reals3<Real>& color) const
   {
-    for (int c = 0; c < 3 && colors_.table; ++c)
+    for (int c = 0; c < 3 && mixed_.mixture; ++c)
     {
       color[c] = hn::Mul(effect.color[c], whole);
     }
@@ -238,9 +248,10 @@ public:
   }
 
 private:
-  HWY_INLINE void color(const Spot<Real>& spot, Effect& effect) const
+  /// A part's function at spots.
+  HWY_INLINE Places<Real> placesOf(int part, const Spot<Real>& spot) const
   {
-    const Block<Real>& block = colors_.block;
+    const Block<Real>& block = mixed_.blocks[part];
     Reals<Real> lower[4];
     Reals<Real> upper[4];
     bool isExact = true;
@@ -256,11 +267,74 @@ private:
     {
       ExactValues<Real>{ block.exact }.pairs(spot.vertex, lower, upper);
     }
-    const Places<Real> places =
-      findPlaces<Real>(*colors_.table, inTable<Real>(block.toTable, between<Real>(spot.f, lower, upper)));
+    return findPlaces<Real>(
+      *mixed_.tables[part], inTable<Real>(block.toTable, between<Real>(spot.f, lower, upper)));
+  }
+
+  HWY_NOINLINE void mix(const Spot<Real>& spot, Effect& effect) const
+  {
+    const Places<Real> first = placesOf(0, spot);
+    switch (mixed_.mixture->mixing)
+    {
+      case VolumeMixing::Colors:
+        for (int c = 0; c < 3; ++c)
+        {
+          effect.color[c] = hn::Div(first.term[c], first.term[3]);
+        }
+        break;
+      case VolumeMixing::Channels:
+        effect.color[0] = hn::Div(first.term[0], first.term[3]);
+        for (int c = 1; c < 3; ++c)
+        {
+          const Places<Real> own = placesOf(c, spot);
+          effect.color[c] = hn::Div(own.term[c], own.term[3]);
+        }
+        break;
+      case VolumeMixing::Independent:
+        this->mixComponents(spot, first, effect);
+        break;
+    }
+  }
+
+  /// As VTK has it: the sum of the extinctions' squares by their weighted sum, which is that of the colours.
+  HWY_INLINE void mixComponents(const Spot<Real>& spot, const Places<Real>& first, Effect& effect) const
+  {
+    const RealTag<Real> d;
+    const auto count = static_cast<int>(mixed_.mixture->parts.size());
+    Reals<Real> extinctions[4];
+    Reals<Real> weighted = hn::Zero(d);
+    Reals<Real> emitted[3] = { weighted, weighted, weighted };
+    for (int part = 0; part < count; ++part)
+    {
+      const Real weight = mixed_.mixture->weights[part];
+      extinctions[part] = hn::Zero(d);
+      if (!(weight > 0))
+      {
+        continue;
+      }
+      const Places<Real> places = part == 0 ? first : placesOf(part, spot);
+      const Reals<Real> scale =
+        hn::Set(d, static_cast<Real>(std::numbers::log2e * mixed_.tables[part]->unscale()));
+      extinctions[part] = hn::Mul(hn::ZeroIfNegative(places.term[3]), scale);
+      weighted = mulAdd(hn::Set(d, weight), extinctions[part], weighted);
+      const Reals<Real> ofPart = hn::Mul(scale, hn::Set(d, weight));
+      for (int c = 0; c < 3; ++c)
+      {
+        emitted[c] = mulAdd(places.term[c], ofPart, emitted[c]);
+      }
+    }
+    const Mask<Real> isSeen = hn::Gt(weighted, hn::Zero(d));
+    const Reals<Real> one = hn::Set(d, Real(1));
+    const Reals<Real> divisor = hn::IfThenElse(isSeen, weighted, one);
+    effect.opacity = hn::Zero(d);
+    for (int part = 0; part < count; ++part) // no squares of what is opaque
+    {
+      effect.opacity = mulAdd(extinctions[part], hn::Div(extinctions[part], divisor), effect.opacity);
+    }
+    const Reals<Real> whole = hn::IfThenElse(isSeen, effect.opacity, one);
     for (int c = 0; c < 3; ++c)
     {
-      effect.color[c] = hn::Div(places.term[c], places.term[3]);
+      effect.color[c] = hn::IfThenElseZero(isSeen, hn::Div(emitted[c], whole));
     }
   }
 
@@ -360,7 +434,7 @@ private:
   }
 
   const VolumeIllumination& scene_;
-  const ColorBlock<Real>& colors_;
+  const MixedBlocks<Real>& mixed_;
   typename GradientBlock<Real>::Values gradients_[3];
   Real stepLength_;
   Reals<Real> start_[3]; // in the lights' coordinates
@@ -467,50 +541,83 @@ private:
   std::uint64_t blocks_ = 0;
 };
 
-/// Where blocks have their colours from, for one thread.
+/// Where blocks of other fields are from, for one thread. Constants have what these are with their extinctions.
 template <class Real>
-class ColorSource
+class MixtureSource
 {
 public:
-  explicit ColorSource(const VolumeKernelScene& scene)
+  explicit MixtureSource(const VolumeKernelScene& scene)
   {
-    if (scene.colors)
+    if (scene.mixture && !scene.features.constants)
     {
-      scene_ = scene.colors.get();
-      values_.emplace(*scene_);
-      block_.table = scene_->table.integrals.get();
+      blocks_.mixture = &*scene.mixture;
+      for (std::size_t i = 0; i < scene.mixture->parts.size(); ++i)
+      {
+        const VolumeKernelScene& part = *scene.mixture->parts[i];
+        sources_.push_back(std::make_unique<Source>(part));
+        blocks_.tables[i] = part.table.integrals.get();
+        hasCorners_ = hasCorners_ || part.field.corners();
+      }
+      isOfMany_ = scene.isOfMany();
+      skips_ = scene.settings.skipEmpty;
     }
   }
 
-  /// Finds the values of the children of the path's node, or computes and keeps them.
-  void prepare(const BlockPath& path, BlockCells cells, double leafWidth)
+  /// Finds the values of the children of the path's node, or computes and keeps them. False when nothing of several
+  /// components is visible.
+  bool prepare(const BlockPath& path, BlockCells cells, double leafWidth)
   {
-    if (values_)
+    bool isVisible = !isOfMany_ || !skips_;
+    for (std::size_t i = 0; i < sources_.size(); ++i)
     {
-      values_->prepare(path, cells, leafWidth, block_.block);
+      sources_[i]->prepare(path, cells, leafWidth, blocks_.blocks[i]);
+      isVisible = isVisible || isSeen(i);
+    }
+    return isVisible;
+  }
+  /// Of a node whose value is the same everywhere in it.
+  void useConstant(NodeRef node)
+  {
+    for (std::size_t i = 0; i < sources_.size(); ++i)
+    {
+      const double place = blocks_.tables[i]->placeOf(blocks_.mixture->parts[i]->field.relative(node));
+      blocks_.blocks[i] = sources_[i]->constant(static_cast<Real>(place), 0, true);
     }
   }
-  /// Of a leaf that is the whole tree, its value at the centre.
-  void useLeaf(std::uint64_t leaf)
-  {
-    if (values_)
-    {
-      const double place = block_.table->placeOf(scene_->field.leafValues()[leaf]);
-      block_.block = values_->constant(static_cast<Real>(place), 0, true);
-    }
-  }
-  bool hasCorners() const noexcept { return values_ && scene_->field.corners(); }
+  bool hasCorners() const noexcept { return hasCorners_; }
 
-  const ColorBlock<Real>& block() const noexcept { return block_; }
+  const MixedBlocks<Real>& blocks() const noexcept { return blocks_; }
   VolumeStatistics statistics() const noexcept
   {
-    return values_ ? values_->statistics() : VolumeStatistics();
+    VolumeStatistics all;
+    for (const auto& source : sources_)
+    {
+      all += source->statistics();
+    }
+    return all;
   }
 
 private:
-  const VolumeKernelScene* scene_ = nullptr;
-  std::optional<BlockSource<Real, VolumeLoop::Colors>> values_;
-  ColorBlock<Real> block_;
+  using Source = BlockSource<Real, VolumeLoop::Colors>;
+
+  /// Whether a part shows something of its block's hull.
+  bool isSeen(std::size_t i) const noexcept
+  {
+    const IntegralTable& table = *blocks_.tables[i];
+    const auto valueAt = [&](Real place) {
+      return static_cast<float>(table.reference() + static_cast<double>(place) / table.placesPerValue());
+    };
+    const ToTable<Real>& hull = blocks_.blocks[i].toTable;
+    constexpr float far = std::numeric_limits<float>::infinity();
+    return blocks_.mixture->parts[i]->transferFunction.isVisible(
+      { std::nextafter(valueAt(hull.first), -far), std::nextafter(valueAt(hull.last), far) });
+  }
+
+  std::vector<std::unique_ptr<Source>> sources_;
+  MixedBlocks<Real> blocks_;
+  bool isOfMany_ = false;
+  bool hasCorners_ = false;
+  bool skips_ = false;
 };
 
 } // namespace HWY_NAMESPACE

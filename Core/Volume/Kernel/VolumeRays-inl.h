@@ -77,7 +77,7 @@ public:
       }
     }
     parts_ = 1;
-    const bool isCut = hasHits_ || !scene_.stops.cut.isEmpty();
+    const bool isCut = hasHits_ || !scene_.stops.cut.isEmpty() || scene_.features.slices;
     GroupMask active = 0;
     for (int r = 0; r < tileRays; ++r)
     {
@@ -242,7 +242,7 @@ private:
     return Origins == RayOrigins::Either ? scene_.features.commonOrigin : startAtReference;
   }
 
-  /// Finds the ray's hits, and leaves its parts.
+  /// Finds the ray's hits, and leaves its parts, or where it meets the slice.
   void cut(int r, int x, int y)
   {
     if (hasHits_)
@@ -274,9 +274,19 @@ private:
         end_[part][r] = tToKernel(parts.end[part]);
       }
     }
+    if (scene_.features.slices)
+    {
+      slice(r, x, y);
+    }
   }
 
   RayParts cutFan(int r, int x, int y) const noexcept
+  {
+    return scene_.stops.cut.parts(
+      scene_.reference, fanDirection(x, y), begin_[0][r] / scene_.scale, end_[0][r] / scene_.scale);
+  }
+
+  Vec3 fanDirection(int x, int y) const noexcept
   {
     const PixelFan& fan = scene_.fan;
     Vec3 direction;
@@ -284,8 +294,26 @@ private:
     {
       direction[a] = fan.direction[a] + x * fan.perX[a] + y * fan.perY[a];
     }
-    return scene_.stops.cut.parts(
-      scene_.reference, direction, begin_[0][r] / scene_.scale, end_[0][r] / scene_.scale);
+    return direction;
+  }
+
+  /// Leaves of the ray's parts no more than what begins in the plane: no plane between nodes fits into it.
+  HWY_NOINLINE void slice(int r, int x, int y) noexcept
+  {
+    const auto& [normal, offset] = scene_.settings.slice;
+    const Ray ray = isFan() ? Ray{ scene_.reference, fanDirection(x, y) } : scene_.camera.ray(x, y);
+    const Real at = tToKernel((offset - dot(normal, ray.origin)) / dot(normal, ray.direction));
+    bool isMet = false; // NaN is no place
+    for (int part = 0; part < parts_; ++part)
+    {
+      isMet = isMet || (begin_[part][r] <= at && at < end_[part][r]);
+      end_[part][r] = finished;
+    }
+    if (isMet)
+    {
+      begin_[0][r] = at;
+      end_[0][r] = std::nextafter(at, infinity);
+    }
   }
 
   RayParts cutRay(int r, int x, int y) const noexcept

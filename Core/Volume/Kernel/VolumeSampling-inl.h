@@ -427,29 +427,38 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
       hn::Lt(hn::Set(d, i + static_cast<Real>(k)), span.samples), gather<Real>(entries + 3, entry[k]));
     any = hn::Max(any, extinction[k]);
   }
-  if (hn::AllFalse(d, hn::Gt(any, hn::Zero(d))))
+  bool isOfMany = false;
+  if constexpr (Lighting::isLit)
+  {
+    isOfMany = lighting.isOfMany();
+  }
+  if (!isOfMany && hn::AllFalse(d, hn::Gt(any, hn::Zero(d))))
   {
     return 0;
   }
   [[maybe_unused]] typename Lighting::Effect effects[Count];
+  [[maybe_unused]] bool isSeen[Count];
   Reals<Real> held[Count];
   for (int k = 0; k < Count; ++k)
   {
     if constexpr (Lighting::isLit)
     {
-      if (hn::AllFalse(d, hn::Gt(extinction[k], hn::Zero(d))))
+      isSeen[k] = isOfMany || !hn::AllFalse(d, hn::Gt(extinction[k], hn::Zero(d)));
+      if (!isSeen[k])
       {
         continue;
       }
       const Reals<Real> steps = hn::Set(d, i + static_cast<Real>(k) + Real(0.5));
       effects[k] = lighting.at(spots[k], hn::Mul(steps, span.step));
-      extinction[k] = hn::Mul(extinction[k], effects[k].opacity);
+      const Mask<Real> isTaken = hn::Lt(hn::Set(d, i + static_cast<Real>(k)), span.samples);
+      extinction[k] = isOfMany ? hn::IfThenElseZero(isTaken, effects[k].opacity)
+                               : hn::Mul(extinction[k], effects[k].opacity);
     }
     held[k] = heldBack(hn::Neg(hn::Mul(extinction[k], span.depthPerExtinction)));
   }
   for (int k = 0; k < Count; ++k)
   {
-    if (Lighting::isLit && hn::AllFalse(d, hn::Gt(extinction[k], hn::Zero(d))))
+    if (Lighting::isLit && !isSeen[k])
     {
       continue;
     }

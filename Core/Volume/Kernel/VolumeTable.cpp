@@ -136,9 +136,7 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
   entries.resize(size);
   for (std::size_t i = 0; i < size; ++i)
   {
-    entries[i] = transferFunction.atPosition(static_cast<double>(i) / perEntry);
-    entries[i].extinction = static_cast<float>(std::min<double>(
-      entries[i].extinction * diagonal_ * std::numbers::log2e, TransferFunction::opaqueExtinction));
+    entries[i] = inTable(transferFunction.atPosition(static_cast<double>(i) / perEntry));
   }
   if (transferFunction.hasCategories())
   {
@@ -164,6 +162,13 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
     variation[i] = variation[i - 1] + change;
     curvature[i] = curvature[i - 1] + bend;
   }
+}
+
+TransferFunction::Entry VolumeTable::inTable(TransferFunction::Entry entry) const noexcept
+{
+  entry.extinction = static_cast<float>(
+    std::min<double>(entry.extinction * diagonal_ * std::numbers::log2e, TransferFunction::opaqueExtinction));
+  return entry;
 }
 
 void VolumeTable::integrate(const TransferFunction& transferFunction)

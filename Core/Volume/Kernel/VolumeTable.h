@@ -9,6 +9,7 @@
 #include "Field/TransferFunction.h"
 #include "Volume/Kernel/IntegralTable.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -24,6 +25,19 @@ public:
   VolumeTable(const Field& field, const TransferFunction& transferFunction, int worldMagnitude);
 
   int worldMagnitude() const noexcept { return worldMagnitude_; }
+
+  /// What the function has at a value, as entries have it, but between them, too.
+  TransferFunction::Entry at(const TransferFunction& transferFunction, float value) const noexcept
+  {
+    const double place = transferFunction.position(value) * perEntry;
+    const std::size_t i = std::min(static_cast<std::size_t>(place), entries.size() - 2);
+    if (!rough.empty() && rough[i + 1] != rough[i])
+    {
+      return inTable(transferFunction.at(value));
+    }
+    return TransferFunction::between(
+      entries[i], entries[i + 1], static_cast<float>(place - static_cast<double>(i)));
+  }
 
   /// Makes the integrals, unless they are there. Not for categories.
   void integrate(const TransferFunction& transferFunction);
@@ -44,6 +58,8 @@ public:
   std::unique_ptr<const IntegralTable> integrals; // once they are made
 
 private:
+  /// With the extinction as entries have it.
+  TransferFunction::Entry inTable(TransferFunction::Entry entry) const noexcept;
   /// Extinction times colour and extinction of all entries.
   std::vector<EmissionTerms> terms(const TransferFunction& transferFunction) const;
   void findRoughGaps(const TransferFunction& transferFunction);

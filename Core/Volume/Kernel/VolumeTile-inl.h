@@ -14,6 +14,7 @@
 #endif
 
 #include "Volume/Kernel/VolumeBlocks-inl.h"
+#include "Volume/Kernel/VolumeConstants-inl.h"
 #include "Volume/Kernel/VolumeIntervals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeRays-inl.h"
@@ -35,18 +36,20 @@ namespace HWY_NAMESPACE
 
 /// See TileRays.
 template <class Real, RayOrigins Origins, VolumeLoop Loop>
-class Tile : TileIntervals<Real, Origins, Loop>
+class Tile : TileConstants<Real, Origins, Loop>
 {
   using Rays = TileRays<Real, Origins>;
   using Intervals = TileIntervals<Real, Origins, Loop>;
+  using Base = TileConstants<Real, Origins, Loop>;
 
 public:
   explicit Tile(const VolumeKernelScene& scene)
-    : Intervals(scene)
+    : Base(scene)
     , scene_(scene)
     , octree_(scene.field.octree())
     , grid_(octree_.grid())
     , blocks_(scene)
+    , constants_(scene)
   {
   }
 
@@ -109,20 +112,21 @@ public:
     {
       statistics.keptGradients = gradients_.kept();
       statistics.gradients = gradients_.computed();
-      statistics.keptColors = colors_.statistics().kept;
-      statistics.colors = colors_.statistics().blocks;
+      statistics.keptColors = mixture_.statistics().kept;
+      statistics.colors = mixture_.statistics().blocks;
     }
     return statistics;
   }
 
 private:
+  using Base::integrateConstants;
   using Intervals::blends_;
-  using Intervals::colors_;
   using Intervals::gradients_;
   using Intervals::integrate;
   using Intervals::isComposite;
   using Intervals::isExtreme;
   using Intervals::isLit;
+  using Intervals::mixture_;
   using Intervals::statistics_;
   using Rays::begin_;
   using Rays::crossChildren;
@@ -186,15 +190,14 @@ private:
   {
     ++statistics_.nodes;
     const Octree::Children children = octree_.children(node);
-    const bool constants = scene_.features.categories;
-    if (!constants && isBlock(node, children))
+    if (isBlock(node, children))
     {
-      visitBlock(BlockCells::Leaves, box, active);
+      visitBlock(BlockCells::Leaves, children, box, active);
       return;
     }
-    if (!constants && scene_.settings.levelOfDetailPixels > 0. && isDrawnByMeans(node, children, box))
+    if (scene_.features.means && isDrawnByMeans(node, children, box))
     {
-      visitBlock(BlockCells::Means, box, active);
+      visitBlock(BlockCells::Means, children, box, active);
       return;
     }
     std::array<Range, 8> ranges;
@@ -204,8 +207,7 @@ private:
       return;
     }
     const Vec3 planes = planesBetweenChildren();
-    const std::array<Real, 3> middle{ Rays::toKernel(0, planes[0]), Rays::toKernel(1, planes[1]),
-      Rays::toKernel(2, planes[2]) };
+    const std::array<Real, 3> middle = inKernel(planes);
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
     std::array<std::uint8_t, 8> order;
     if constexpr (isExtreme)
@@ -238,27 +240,24 @@ private:
       const Box<Real> childBox = boxOfChild(box, middle, octant);
       if (children.leaf >> octant & 1)
       {
-        if (constants)
-        {
-          integrateConstant(children.leafIndex(octant), childBox, crossing[octant]);
-          continue;
-        }
+        const Real width = childBox.max[0] - childBox.min[0];
+        hasValues = hasValues || prepareLeaves(children, wanted, width, block);
         if (!hasValues)
         {
-          const Real width = childBox.max[0] - childBox.min[0];
-          if (!blocks_.prepare(path_, BlockCells::Leaves, width, block) ||
-            !prepareEffects(BlockCells::Leaves, width))
-          {
-            wanted &= ~children.leaf;
-            continue;
-          }
-          hasValues = true;
+          wanted &= ~children.leaf;
         }
-        integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
+        else if (scene_.features.constants)
+        {
+          integrateConstants(constants_.constants(), childBox, middle, crossing[octant]);
+        }
+        else
+        {
+          integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
+        }
         continue;
       }
       descend(children.innerIndex(octant), octant, childBox, crossing[octant], ranges[octant]);
-      hasValues = hasValues && !isLit && blocks_.outlastsOthers(block);
+      hasValues = hasValues && !isLit && !scene_.features.constants && blocks_.outlastsOthers(block);
     }
   }
 
@@ -270,6 +269,23 @@ private:
       planes[a] = grid_.nodePlane(a, 2 * index_[a] + 1, path_.depth + 1);
     }
     return planes;
+  }
+
+  std::array<Real, 3> inKernel(const Vec3& point) const noexcept
+  {
+    return { Rays::toKernel(0, point[0]), Rays::toKernel(1, point[1]), Rays::toKernel(2, point[2]) };
+  }
+
+  /// Of the path's node, those of its leaves that are wanted; false when nothing of them is visible.
+  bool prepareLeaves(const Octree::Children& children, unsigned wanted, double leafWidth, Block<Real>& block)
+  {
+    if (scene_.features.constants)
+    {
+      return constants_.prepare(children, wanted & children.leaf, path_.depth + 1) &&
+        prepareGradients(BlockCells::Leaves);
+    }
+    return blocks_.prepare(path_, BlockCells::Leaves, leafWidth, block) &&
+      prepareEffects(BlockCells::Leaves, leafWidth);
   }
 
   void descend(std::uint64_t node, int octant, const Box<Real>& box, GroupMask active, const Range& range)
@@ -319,13 +335,22 @@ private:
   /// Gradients and colours; false when nothing is visible by them.
   bool prepareEffects([[maybe_unused]] BlockCells cells, [[maybe_unused]] double leafWidth)
   {
+    if (!prepareGradients(cells))
+    {
+      return false;
+    }
     if constexpr (isLit)
     {
-      if (!gradients_.prepare(path_, cells))
-      {
-        return false;
-      }
-      colors_.prepare(path_, cells, leafWidth);
+      return mixture_.prepare(path_, cells, leafWidth);
+    }
+    return true;
+  }
+  /// As prepareEffects().
+  bool prepareGradients([[maybe_unused]] BlockCells cells)
+  {
+    if constexpr (isLit)
+    {
+      return gradients_.prepare(path_, cells);
     }
     return true;
   }
@@ -346,9 +371,7 @@ private:
     for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
-      const std::uint64_t leaf = children.leafIndex(octant);
-      const bool isWanted = !octree_.isGhost(leaf) && !(scene_.features.categories && isSkipped(leaf));
-      wanted |= static_cast<unsigned>(isWanted) << octant;
+      wanted |= static_cast<unsigned>(!octree_.isGhost(children.leafIndex(octant))) << octant;
     }
     return wanted;
   }
@@ -428,8 +451,16 @@ private:
     return width < scene_.settings.levelOfDetailPixels * pixel;
   }
 
-  void visitBlock(BlockCells cells, const Box<Real>& box, GroupMask active)
+  void visitBlock(BlockCells cells, const Octree::Children& children, const Box<Real>& box, GroupMask active)
   {
+    if (scene_.features.constants)
+    {
+      if (constants_.prepare(children, 0xff, path_.depth + 1) && prepareGradients(cells))
+      {
+        integrateConstants(constants_.constants(), box, inKernel(planesBetweenChildren()), active);
+      }
+      return;
+    }
     Block<Real> block;
     const double leafWidth = 0.5 * (box.max[0] - box.min[0]);
     if (blocks_.prepare(path_, cells, leafWidth, block) && prepareEffects(cells, leafWidth))
@@ -445,7 +476,16 @@ private:
     {
       return;
     }
-    if (scene_.field.corners() && !scene_.features.categories)
+    if (scene_.features.constants)
+    {
+      if (constants_.prepareRoot())
+      {
+        useNoGradients();
+        integrateConstants(constants_.constants(), box, box.max, active);
+      }
+      return;
+    }
+    if (scene_.field.corners())
     {
       Block<Real> block;
       const double leafWidth = box.max[0] - box.min[0];
@@ -465,11 +505,12 @@ private:
     integrateConstant(0, blocks_.constant(static_cast<Real>(place), 0, true), box, active);
   }
 
-  /// Whether a leaf of a category is transparent and such ones are left out.
-  bool isSkipped(std::uint64_t leaf) const noexcept
+  void useNoGradients()
   {
-    const float value = scene_.field.leafValues()[leaf];
-    return scene_.settings.skipEmpty && !isWanted<Loop>(scene_, { value, value });
+    if constexpr (isLit)
+    {
+      gradients_.useNone();
+    }
   }
 
   /// A leaf whose value is the same everywhere in it.
@@ -482,16 +523,16 @@ private:
   void integrateConstant(
     [[maybe_unused]] std::uint64_t leaf, const Block<Real>& block, const Box<Real>& box, GroupMask active)
   {
+    useNoGradients();
     if constexpr (isLit)
     {
-      gradients_.useNone();
-      if (colors_.hasCorners())
+      if (mixture_.hasCorners())
       {
-        colors_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0]);
+        mixture_.prepare(path_, BlockCells::Leaves, box.max[0] - box.min[0]);
         integrate(block, box, Lattice<Real>(box, 0), active);
         return;
       }
-      colors_.useLeaf(leaf);
+      mixture_.useConstant(NodeRef(NodeKind::Leaf, 0, leaf));
     }
     integrate(block, box, Lattice<Real>(box), active);
   }
@@ -501,6 +542,7 @@ private:
   const RootGrid& grid_;
   BlockPath path_;
   BlockSource<Real, Loop> blocks_;
+  ConstantSource<Real, Loop> constants_;
   std::array<Coord, 3> index_{};
 };
 

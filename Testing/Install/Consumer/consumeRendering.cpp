@@ -72,6 +72,7 @@ int main()
   volume->SetMapper(volumeMapper);
   volume->GetProperty()->SetColor(colors);
   volume->GetProperty()->SetScalarOpacity(opacity);
+  volume->GetProperty()->SetInterpolationTypeToLinear();
 
   vtkNew<vtkTreeAMRIsosurfaceMapper> surfaceMapper;
   surfaceMapper->SetInputConnection(source->GetOutputPort());
