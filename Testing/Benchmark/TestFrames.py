@@ -20,7 +20,7 @@ def run(*arguments):
 for out in (frames, again):
     shutil.rmtree(out, ignore_errors=True)
     assert run("write", out) == 0
-assert len(list(frames.iterdir())) == 14
+assert len(list(frames.iterdir())) == 16
 assert run("compare", frames, again) == 0
 
 path = again / "procedural-volume.frame"
