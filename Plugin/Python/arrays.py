@@ -11,6 +11,10 @@ from vtkmodules.vtkCommonDataModel import vtkHyperTreeGrid
 
 def to_vtk(name: str, values: ArrayLike) -> vtkDataArray:
     """An array of VTK that shares the memory of contiguous values, of shape (n,) or (n, components)."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"'{name}' is a masked array, allowed are arrays whose entries all count (NaN leaves a cell out)")
+    if not isinstance(name, str):
+        raise TypeError(f"the name of an array is {name!r}, allowed is a str")
     array = np.asarray(values)
     if array.dtype == bool:
         array = array.astype(np.uint8)
@@ -37,8 +41,10 @@ def chosen_array(grid: vtkHyperTreeGrid, array: str | None) -> str:
     """The array's name: the active scalars' or the first one's where none is given. Raises KeyError."""
     cells = checked_grid(grid).GetCellData()
     names = [cells.GetArrayName(i) for i in range(cells.GetNumberOfArrays())]
+    if not names:
+        raise KeyError("the grid has no cell arrays")
     if array is None:
-        array = cells.GetScalars().GetName() if cells.GetScalars() else names[0] if names else None
+        array = cells.GetScalars().GetName() if cells.GetScalars() else names[0]
     if array not in names:
-        raise KeyError(f"no cell array is called {array!r}; there are {', '.join(map(repr, names)) or 'none'}")
+        raise KeyError(f"no cell array is called {array!r}; there are {', '.join(map(repr, names))}")
     return array

@@ -70,7 +70,10 @@ def from_cells(level: ArrayLike, ijk: ArrayLike, values: ArrayLike | Mapping[str
     algorithm.SetKColumn(place[3])
     algorithm.SetOrigin(*_three("origin", origin))
     algorithm.SetSpacing(*_three("spacing", spacing))
-    algorithm.SetRoots(*(int(n) for n in _three("roots", (0, 0, 0) if roots is None else roots)))
+    numbers = _three("roots", (0, 0, 0) if roots is None else roots)
+    if any(number != int(number) for number in numbers):
+        raise ValueError(f"roots is {roots}, allowed are whole numbers")
+    algorithm.SetRoots(*map(int, numbers))
     return output(algorithm)
 
 

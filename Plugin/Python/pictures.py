@@ -68,8 +68,8 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     size: (width, height) in pixels.
     samples_per_cell: more of them are more accurate and take more time.
 
-    Raises KeyError for an array that there is not, treeamr.Error for what cannot be drawn, RuntimeError where VTK needs a
-    display and there is none (xvfb-run makes one).
+    Raises KeyError for an array that there is not, ValueError for what is none of these, treeamr.Error for what cannot be
+    drawn, RuntimeError where VTK needs a display and there is none (xvfb-run makes one).
 
     >>> import numpy, treeamr
     >>> centres = numpy.stack(numpy.meshgrid(*3 * [numpy.arange(8)], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -81,7 +81,18 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     name = chosen_array(grid, array)
     values = [] if isovalues is None else np.atleast_1d(np.asarray(isovalues, dtype=np.float64)).tolist()
     with_volume = not values if volume is None else volume
+    if not with_volume and not values:
+        raise ValueError("volume is off and isovalues has none, needed is one of the two")
     low, high = grid.GetCellData().GetArray(name).GetFiniteRange(-1) if range is None else range
+    if range is not None and not (np.isfinite([low, high]).all() and low <= high):
+        raise ValueError(f"range is {range}, allowed are two finite numbers, the smaller first")
+    for what, vector in (("direction", direction), ("up", up)):
+        _check(what, vector, np.shape(vector) == (3,) and np.isfinite(vector).all() and np.any(vector),
+               "three finite numbers, not all 0")
+    _check("zoom", zoom, np.isfinite(zoom) and zoom > 0, "finite numbers above 0")
+    _check("size", size, np.shape(size) == (2,) and all(n == int(n) and 1 <= n <= 16384 for n in size),
+           "(width, height), whole numbers from 1 to 16384")
+    _check("background", background, np.shape(background) == (3,) and _are_parts(background), "three numbers from 0 to 1")
     bounds = np.reshape(grid.GetBounds(), (3, 2))
     diagonal = float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
     function = _color_function(colors, low, high)
@@ -119,6 +130,17 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     return np.flipud(pixels.reshape(int(size[1]), int(size[0]), 3)).copy().view(Picture)
 
 
+def _check(name: str, value, holds: bool, allowed: str) -> None:
+    if not holds:
+        raise ValueError(f"{name} is {value}, allowed are {allowed}")
+
+
+def _are_parts(values) -> bool:
+    """Whether all are from 0 to 1."""
+    array = np.asarray(values, dtype=np.float64)
+    return bool(((array >= 0) & (array <= 1)).all())
+
+
 def _window() -> vtkRenderWindow:
     window = vtkRenderWindow()
     if window.IsA("vtkXOpenGLRenderWindow") and sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
@@ -133,6 +155,7 @@ def _color_function(colors, low: float, high: float) -> vtkColorTransferFunction
     samples = np.asarray(colors, dtype=np.float64)
     if samples.ndim != 2 or samples.shape[1] != 3 or len(samples) == 0:
         raise ValueError(f"colors has the shape {samples.shape}, allowed is (n, 3)")
+    _check("colors", samples.tolist(), _are_parts(samples), "numbers from 0 to 1")
     function = vtkColorTransferFunction()
     for value, color in zip(np.linspace(low, high, len(samples)), samples):
         function.AddRGBPoint(value, *color)
@@ -145,6 +168,7 @@ def _opacity_function(opacity, low: float, high: float) -> vtkPiecewiseFunction:
     samples = np.atleast_1d(np.asarray(opacity, dtype=np.float64))
     if samples.ndim != 1 or len(samples) == 0:
         raise ValueError(f"opacity has the shape {samples.shape}, allowed are one number and (n,)")
+    _check("opacity", samples.tolist(), _are_parts(samples), "numbers from 0 to 1")
     function = vtkPiecewiseFunction()
     for value, alpha in zip(np.linspace(low, high, len(samples)), samples):
         function.AddPoint(value, alpha)

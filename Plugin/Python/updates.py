@@ -17,7 +17,8 @@ def _message(text: str) -> str:
     lines = [line.strip() for line in text.strip().splitlines()]
     if lines and lines[0].startswith(("ERROR: In ", "Warning: In ")):
         lines = lines[1:]
-    return " ".join(lines).partition("): ")[2] or " ".join(lines)
+    text = " ".join(lines)
+    return text.partition("): ")[2] or text
 
 
 class Messages:
@@ -47,7 +48,9 @@ class Messages:
         for text in self._warnings:
             warnings.warn(text, stacklevel=4)
         if self._errors and kind is None:
-            raise Error("; ".join(self._errors))
+            # What the executive adds is that an algorithm has failed, with all of its request.
+            told = [text for text in self._errors if " returned failure for request" not in text]
+            raise Error("; ".join(told or self._errors))
 
 
 def output(algorithm):

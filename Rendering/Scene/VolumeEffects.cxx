@@ -175,6 +175,35 @@ HalfSpace convertSlice(vtkVolume* volume)
     (function ? " as slice function, allowed is a vtkPlane" : " slice function, needed is a vtkPlane"));
 }
 
+HalfSpace insideOfFaces(HalfSpace slice, const Bounds& domain)
+{
+  Vec3 size;
+  for (int a = 0; a < 3; ++a)
+  {
+    size[a] = domain.max[a] - domain.min[a];
+  }
+  // Rays find the domain's face and the plane in single precision, along ways of about its diagonal.
+  constexpr double unresolved = 0x1p-18;
+  const double least = unresolved * std::sqrt(dot(size, size));
+  const double length = std::sqrt(dot(slice.normal, slice.normal));
+  for (int a = 0; a < 3; ++a)
+  {
+    if (!(std::abs(slice.normal[a]) * (1. + 1e-12) >= length) || !(size[a] > 2. * least))
+    {
+      continue; // not along the face, or nowhere inside
+    }
+    const double place = slice.offset / slice.normal[a];
+    for (const double face : { domain.min[a], domain.max[a] })
+    {
+      if (std::abs(place - face) < least)
+      {
+        slice.offset = slice.normal[a] * (face == domain.min[a] ? face + least : face - least);
+      }
+    }
+  }
+  return slice;
+}
+
 VolumeSettings convertVolumeEffects(
   vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field, int component)
 {
@@ -185,7 +214,7 @@ VolumeSettings convertVolumeEffects(
   settings.unitDistance = property->GetScalarOpacityUnitDistance(component);
   if (settings.blend == VolumeBlend::Slice)
   {
-    settings.slice = convertSlice(volume);
+    settings.slice = insideOfFaces(convertSlice(volume), field.octree().grid().bounds());
   }
   const double* const counted = mapper->GetAverageIPScalarRange();
   const auto relative = [&](double value) {

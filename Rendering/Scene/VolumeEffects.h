@@ -38,6 +38,9 @@ std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* propert
 /// takes no other.
 HalfSpace convertSlice(vtkVolume* volume);
 
+/// The slice, or one just inside of a face of the domain that it lies in: of rays in such a face some would miss the domain.
+HalfSpace insideOfFaces(HalfSpace slice, const Bounds& domain);
+
 /// As VTK's mappers take the final colours of an image, premultiplied, from a window and level (a window of 1 about 0.5
 /// changes nothing).
 void applyColorWindow(double window, double level, Image& image);

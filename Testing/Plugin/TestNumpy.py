@@ -163,7 +163,21 @@ class TestNumpy(unittest.TestCase):
                 (ValueError, "method is 'cubic'", lambda: treeamr.probe(sphere(4), [0, 0, 0], method="cubic")),
                 (TypeError, "grid is a list", lambda: treeamr.isosurface([], 1)),
                 (TypeError, "data is a vtkHyperTreeGrid", lambda: treeamr.from_unstructured(sphere(4))),
-                (ValueError, r"colors has the shape \(3,\)", lambda: treeamr.render(sphere(4), colors=(1, 0, 0)))):
+                (ValueError, r"colors has the shape \(3,\)", lambda: treeamr.render(sphere(4), colors=(1, 0, 0))),
+                (ValueError, "colors is .*255.*, allowed are numbers from 0 to 1",
+                 lambda: treeamr.render(sphere(4), colors=[(255, 0, 0), (0, 0, 0)])),
+                (ValueError, "opacity is .nan., allowed", lambda: treeamr.render(sphere(4), opacity=np.nan)),
+                (ValueError, "range is", lambda: treeamr.render(sphere(4), range=(np.nan, 1))),
+                (ValueError, "size is", lambda: treeamr.render(sphere(4), size=(0, 1))),
+                (ValueError, "size is 80", lambda: treeamr.render(sphere(4), size=80)),
+                (ValueError, "zoom is 0", lambda: treeamr.render(sphere(4), zoom=0)),
+                (ValueError, "direction is", lambda: treeamr.render(sphere(4), direction=(0, 0, 0))),
+                (ValueError, "volume is off", lambda: treeamr.render(sphere(4), volume=False)),
+                (ValueError, "masked array", lambda: treeamr.from_cells(0, ijk, np.ma.array([1, 2], mask=[1, 0]))),
+                (ValueError, "roots is", lambda: treeamr.from_cells(0, ijk, [1, 2], roots=(2.5, 1, 1))),
+                (KeyError, "the grid has no cell arrays",
+                 lambda: treeamr.probe(treeamr.from_cells(0, np.empty((0, 3)), np.empty(0)), [0, 0, 0])),
+                (treeamr.Error, "^((?!vtkInformation).)*$", lambda: treeamr.isosurface(sphere(4), np.nan))):
             with self.assertRaisesRegex(error, text):
                 call()
 

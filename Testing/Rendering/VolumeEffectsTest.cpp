@@ -183,6 +183,31 @@ TEST_F(VolumeEffectsTest, nearestIsTheDefault)
   EXPECT_EQ(pair.scene.render(), nearest);
 }
 
+TEST_F(VolumeEffectsTest, slicesInTheDomainsFacesAreWhole)
+{
+  const auto slice = [](vtkVolumeMapper* mapper) { mapper->SetBlendModeToSlice(); };
+  VolumePair pair;
+  vtkNew<vtkPlane> plane;
+  pair.property()->SetSliceFunction(plane);
+  double bounds[6];
+  pair.mapper()->GetBounds(bounds);
+  for (const int interpolation : { VTK_LINEAR_INTERPOLATION, VTK_NEAREST_INTERPOLATION })
+  {
+    pair.property()->SetInterpolationType(interpolation);
+    for (int face = 0; face < 6; ++face)
+    {
+      SCOPED_TRACE(face);
+      double origin[3] = { 0.1, 0.1, 0.1 };
+      double normal[3] = { 0., 0., 0. };
+      origin[face / 2] = bounds[face];
+      normal[face / 2] = face % 2 == 0 ? -2. : 1.;
+      plane->SetOrigin(origin);
+      plane->SetNormal(normal);
+      EXPECT_LT(pair.difference(slice), tolerance);
+    }
+  }
+}
+
 TEST_F(VolumeEffectsTest, slicesAsVTK)
 {
   const auto slice = [](vtkVolumeMapper* mapper) { mapper->SetBlendModeToSlice(); };
