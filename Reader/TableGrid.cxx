@@ -151,6 +151,18 @@ std::array<std::vector<double>, 3> planesOf(const TableLattice& lattice, const s
   return planes;
 }
 
+std::string columnsOf(vtkDataSetAttributes& columns)
+{
+  std::string text;
+  for (int i = 0; i < columns.GetNumberOfArrays(); ++i)
+  {
+    vtkAbstractArray* const column = columns.GetAbstractArray(i);
+    text += (text.empty() ? "'" : ", '") + std::string(column->GetName() ? column->GetName() : "") + "'" +
+      (vtkDataArray::SafeDownCast(column) ? "" : " of text");
+  }
+  return text.empty() ? "none" : text;
+}
+
 } // namespace
 
 TableBlock::TableBlock(vtkTable* table, const std::array<std::string, 4>& names, std::string tableName)
@@ -165,7 +177,8 @@ TableBlock::TableBlock(vtkTable* table, const std::array<std::string, 4>& names,
     places[c] = columns->GetArray(names[c].c_str());
     if (!places[c] || places[c]->GetNumberOfComponents() != 1)
     {
-      throw Error(prefix + "no column '" + names[c] + "' of one number a row, for the cells' " + roles[c]);
+      throw Error(prefix + "no column '" + names[c] + "' of one number a row, for the cells' " + roles[c] +
+        "; there are " + columnsOf(*columns));
     }
   }
   for (int i = 0; i < columns->GetNumberOfArrays(); ++i)

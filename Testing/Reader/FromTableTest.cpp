@@ -266,7 +266,14 @@ TEST(FromTable, ColumnsAndLatticesThatFitNotAreNamed)
 {
   const auto table = makeTable(twoCells);
   table->RemoveColumnByName("j");
-  expectIn(errorOfTable(table), "no column 'j' of one number a row, for the cells' indices along y");
+  vtkNew<vtkStringArray> text;
+  text->SetName("J");
+  text->SetNumberOfValues(2);
+  table->AddColumn(text);
+  expectIn(errorOfTable(table),
+    "no column 'j' of one number a row, for the cells' indices along y; there are 'level', 'i', 'k', 'row', "
+    "'pair', 'J' of "
+    "text");
 
   const auto errorWith = [](const std::function<void(vtkTreeAMRFromTable*)>& set) {
     vtkNew<vtkTreeAMRFromTable> filter;
