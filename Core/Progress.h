@@ -24,7 +24,8 @@ public:
   using Report = std::function<bool(double)>;
 
   /// report: called by this thread alone, amid the computation, at most once in an interval and not before the first one.
-  explicit Progress(Report report, std::chrono::steady_clock::duration interval = std::chrono::milliseconds(50))
+  explicit Progress(
+    Report report, std::chrono::steady_clock::duration interval = std::chrono::milliseconds(50))
     : report_(std::move(report))
     , interval_(interval)
     , next_(std::chrono::steady_clock::now() + interval)
@@ -60,8 +61,7 @@ private:
     // Not again from within, should the report compute something that this thread takes part in.
     next_ = std::chrono::steady_clock::time_point::max();
     const std::size_t done = done_.load(std::memory_order_relaxed);
-    const bool goesOn =
-      report_(done < steps_ ? static_cast<double>(done) / static_cast<double>(steps_) : 1.);
+    const bool goesOn = report_(done < steps_ ? static_cast<double>(done) / static_cast<double>(steps_) : 1.);
     isEnded_.store(!goesOn, std::memory_order_relaxed);
     next_ = std::chrono::steady_clock::now() + interval_;
   }

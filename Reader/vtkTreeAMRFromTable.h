@@ -2,14 +2,14 @@
  * @class   vtkTreeAMRFromTable
  * @brief   makes a vtkHyperTreeGrid of a table with a row for each cell of an octree
  *
- * Four columns of whole numbers say where a cell is: its level, 0 for those as large as the roots, and its indices along x, y
- * and z among the cells of that level, from 0 on. The cell is Spacing / 2^level wide then and begins at Origin + index times
- * that. Rows come in any order; where there is none the grid is masked. Input is a vtkTable or a composite data set of them,
- * all of which become one grid.
+ * Four columns of whole numbers say where a cell is: its level, 0 for those as large as the roots, and its indices along x,
+ * y and z among the cells of that level, from 0 on. The cell is Spacing / 2^level wide then and begins at Origin + index
+ * times that. Rows come in any order; where there is none the grid is masked. Input is a vtkTable or a composite data set
+ * of them, all of which become one grid.
  *
- * All other columns, or the levels if there are none, become cell arrays, of their own names, types, components and values; those of text are left out, as are
- * columns that not all tables have alike, which a warning names. A coarse cell has the mean of its children in arrays of float
- * and double and the value of its first child in others.
+ * All other columns, or the levels if there are none, become cell arrays, of their own names, types, components and values;
+ * those of text are left out, as are columns that not all tables have alike, which a warning names. A coarse cell has the
+ * mean of its children in arrays of float and double and the value of its first child in others.
  *
  * Of rows at one place the first counts. An error names the first row whose numbers are none of a cell, and cells that
  * overlap; the output is empty then. Of no rows it is empty, too, without an error.
@@ -48,8 +48,8 @@ public:
 
   ///@{
   /**
-   * Where the first root begins, and how wide each is; (0, 0, 0) and (1, 1, 1) by default. A spacing that is not positive, or
-   * one of the two that is not finite, is an error.
+   * Where the first root begins, and how wide each is; (0, 0, 0) and (1, 1, 1) by default. A spacing that is not positive,
+   * or one of the two that is not finite, is an error.
    */
   vtkSetVector3Macro(Origin, double);
   vtkGetVector3Macro(Origin, double);

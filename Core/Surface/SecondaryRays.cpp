@@ -147,8 +147,7 @@ bool isOccluded(const Isosurface& surface, const Ray& ray, double tMax, const Da
 } // namespace
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut,
-  Progress* progress)
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut, Progress* progress)
 {
   if (open.size() != hits.hits.size())
   {
@@ -177,8 +176,7 @@ void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, cons
 }
 
 void traceShadows(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut,
-  Progress* progress)
+  const std::vector<Light>& lights, std::vector<std::uint8_t>& lit, const DataCut& cut, Progress* progress)
 {
   lit.assign(hits.hits.size() * lights.size(), 1);
   surface.tighten();

@@ -1,8 +1,8 @@
 // Rays from the hits of an isosurface into its surroundings: ambient occlusion and shadows.
 //
-// They start on the side that the camera sees, off the surface by a small part of the cell that the hit lies in.
-// What they meet is the isosurface itself, all its surfaces, but for what is cut away; other objects of a scene are not known here. As before
-// Isosurface::startFrame(), no other thread queries it.
+// They start on the side that the camera sees, off the surface by a small part of the cell that the hit lies in. What they
+// meet is the isosurface itself, all its surfaces, but for what is cut away; other objects of a scene are not known here.
+// As before Isosurface::startFrame(), no other thread queries it.
 #pragma once
 
 #include "Surface/Isosurface.h"

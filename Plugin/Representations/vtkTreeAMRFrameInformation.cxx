@@ -55,8 +55,8 @@ void vtkTreeAMRFrameInformation::AddInformation(vtkPVInformation* information)
 void vtkTreeAMRFrameInformation::CopyToStream(vtkClientServerStream* stream)
 {
   stream->Reset();
-  *stream << vtkClientServerStream::Reply << this->SquaredError << this->Seconds << this->Cells << this->Levels
-          << this->Memory << this->Samples << vtkClientServerStream::End;
+  *stream << vtkClientServerStream::Reply << this->SquaredError << this->Seconds << this->Cells
+          << this->Levels << this->Memory << this->Samples << vtkClientServerStream::End;
 }
 
 //------------------------------------------------------------------------------

@@ -1,8 +1,9 @@
 // What the volume and the isosurface representation share: one vtkHyperTreeGrid that stays on its rank, and a
 // prop.
 //
-// ParaView cannot move a hyper tree grid between ranks, so each rank gets the cells of a box here, whatever its pipeline gives,
-// renders it, and the images are composited. Those of a composite input are drawn as one where they lie on one lattice (MergedGrid.h).
+// ParaView cannot move a hyper tree grid between ranks, so each rank gets the cells of a box here, whatever its pipeline
+// gives, renders it, and the images are composited. Those of a composite input are drawn as one where they lie on one
+// lattice (MergedGrid.h).
 
 #ifndef vtkTreeAMRRepresentation_h
 #define vtkTreeAMRRepresentation_h
@@ -90,8 +91,8 @@ protected:
   bool AddToView(vtkView* view) override;
   bool RemoveFromView(vtkView* view) override;
 
-  /// What this rank draws: of several the cells of its box and those that the field there depends on (GridExchange.h), of one
-  /// the input; without trees where this rank has none.
+  /// What this rank draws: of several the cells of its box and those that the field there depends on (GridExchange.h), of
+  /// one the input; without trees where this rank has none.
   vtkSmartPointer<vtkHyperTreeGrid> Grid;
   /// Of its block in a composite input; 0: it is made of several.
   unsigned int GridFlatIndex = 1;

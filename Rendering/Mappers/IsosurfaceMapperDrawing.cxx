@@ -222,9 +222,8 @@ bool vtkTreeAMRIsosurfaceMapper::ReadDepthToFlatten(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::MakePicture(
-  treeamr::SurfaceActorView& view, const std::vector<vtkActor*>& actors, bool hasAll,
-  treeamr::Progress* progress)
+void vtkTreeAMRIsosurfaceMapper::MakePicture(treeamr::SurfaceActorView& view,
+  const std::vector<vtkActor*>& actors, bool hasAll, treeamr::Progress* progress)
 {
   Internals& internals = *this->Private;
   vtkTreeAMRSurfaceImage& image = internals.Image;
@@ -350,8 +349,8 @@ void vtkTreeAMRIsosurfaceMapper::RenderWithVolumes(vtkRenderer* renderer, vtkAct
 {
   if (!renderer->GetSelector())
   {
-    this->Watch(renderer,
-      [&](treeamr::Progress* progress) { this->DrawWithVolumes(renderer, actor, progress); });
+    this->Watch(
+      renderer, [&](treeamr::Progress* progress) { this->DrawWithVolumes(renderer, actor, progress); });
   }
 }
 
@@ -412,8 +411,7 @@ void vtkTreeAMRIsosurfaceMapper::Render(vtkRenderer* renderer, vtkActor* actor)
 {
   vtkNew<vtkTimerLog> timer;
   timer->StartTimer();
-  this->Watch(
-    renderer, [&](treeamr::Progress* progress) { this->RenderSurface(renderer, actor, progress); });
+  this->Watch(renderer, [&](treeamr::Progress* progress) { this->RenderSurface(renderer, actor, progress); });
   timer->StopTimer();
   this->TimeToDraw = timer->GetElapsedTime();
 }

@@ -166,7 +166,8 @@ std::optional<LinePick> pickVolume(const Sampler& sampler, const Octree& octree,
       sampler.sample(pointAt(line.ray, *t), sample);
       findCell(octree, pointAt(line.ray, *t), pick.cell);
       pick.value = sample.value;
-      pick.normal = *t == parts.begin[i] ? faceNormal(line.ray, *t, bounds, cut) : scaled(sample.gradient, -1.);
+      pick.normal =
+        *t == parts.begin[i] ? faceNormal(line.ray, *t, bounds, cut) : scaled(sample.gradient, -1.);
       return pick;
     }
   }

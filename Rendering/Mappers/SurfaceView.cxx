@@ -19,8 +19,8 @@ void SurfaceView::release()
   hits_.hits.clear();
 }
 
-void SurfaceView::trace(SurfaceLevels& levels, const SurfacePose& pose, double distance, double levelOfDetail,
-  Progress* progress)
+void SurfaceView::trace(
+  SurfaceLevels& levels, const SurfacePose& pose, double distance, double levelOfDetail, Progress* progress)
 {
   camera_.reset();
   visibility_ = {};

@@ -40,8 +40,8 @@ struct TranslucentScene
 /// Cullers take props out of the frame by giving them no time.
 bool isCulled(vtkRenderer* renderer, vtkProp* prop);
 
-/// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; and when volumes may not be drawn after surfaces (the renderer has passes that are not known). While the
-/// renderer draws.
+/// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; and when volumes may not be drawn
+/// after surfaces (the renderer has passes that are not known). While the renderer draws.
 TranslucentScene findTranslucentScene(vtkRenderer* renderer);
 
 /// The surfaces of actors on their way into one picture. Errors are reported by the actors' mappers, once; such an

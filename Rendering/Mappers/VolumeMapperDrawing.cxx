@@ -208,7 +208,7 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
     const bool shaded = picture.Volume->GetProperty()->GetShade(0) || this->ShadeIsosurfaces;
     pose.normals = shaded ? treeamr::SurfaceNormals::Smooth : treeamr::SurfaceNormals::None;
     pose.cut = picture.Cut;
-    treeamr::SurfaceView& view = 
+    treeamr::SurfaceView& view =
       own.trace(pose, frame.ImageSampleDistance, frame.LevelOfDetail, picture.Progress);
     treeamr::SurfaceAppearance appearance;
     appearance.opaque = false;
@@ -227,7 +227,7 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
         wanted.mostNewSamples = vtkTreeAMRIsosurfaceMapper::InteractiveSamples;
       }
     }
-    const treeamr::SurfaceVisibility& visibility = 
+    const treeamr::SurfaceVisibility& visibility =
       view.updateVisibility(wanted, appearance.lights, picture.Progress);
     picture.Shaders->emplace_back(
       view.hits(), view.camera(), std::move(appearance), visibility, treeamr::HitColors());
@@ -335,7 +335,8 @@ void vtkTreeAMRVolumeMapper::TraceAll(
     vtkTreeAMRVolumeMapper* mapper = MapperOf(*picture);
     if (pictures.size() > 1)
     {
-      picture->HasVolume = mapper->PrepareVolume(picture->Renderer, picture->Volume); // volumes may share a mapper
+      picture->HasVolume =
+        mapper->PrepareVolume(picture->Renderer, picture->Volume); // volumes may share a mapper
       picture->Shaders.reset();
     }
     vtkTreeAMRRayImage image = mapper->Trace(*picture, pixels);
@@ -404,25 +405,27 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
 {
   if (vtkMultiVolume::SafeDownCast(volume))
   {
-    throw treeamr::Error("volume mapper: in a vtkMultiVolume, needed is a vtkVolume of its own for each grid");
+    throw treeamr::Error(
+      "volume mapper: in a vtkMultiVolume, needed is a vtkVolume of its own for each grid");
   }
   treeamr::VolumeOrder order = treeamr::orderVolumes(renderer);
-  if (order.volumes.size() < 2 || std::find(order.volumes.begin(), order.volumes.end(), volume) == order.volumes.end())
+  if (order.volumes.size() < 2 ||
+    std::find(order.volumes.begin(), order.volumes.end(), volume) == order.volumes.end())
   {
     order = { { volume }, volume, nullptr };
   }
   treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
   const bool isWhole = scene.volume == volume && order.volumes.size() == 1;
   const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(volume);
-  if (order.first != volume ||
-    (isWhole && isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(this, volume)))
+  if (order.first != volume || (isWhole && isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(this, volume)))
   {
     return false; // that one, or that stage, draws everything
   }
   if (order.overlapping)
   {
     this->Private->Messages.warning({ "overlap",
-      "Two volumes of one view overlap: each is drawn as a whole, that whose centre is nearer before the other." });
+      "Two volumes of one view overlap: each is drawn as a whole, that whose centre is nearer before the "
+      "other." });
   }
   if (!isWhole)
   {
@@ -434,8 +437,8 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
     auto* mapper = static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper());
     treeamr::DataCut cut = treeamr::cutOf(mapper, shown);
     cut.cropping = treeamr::convertCropping(mapper);
-    std::unique_ptr<Picture> picture(new Picture{ renderer, shown, vtkTreeAMRTarget::GetViewport(renderer), isWhole,
-      isPeeling, mapper->PrepareVolume(renderer, shown), std::move(cut),
+    std::unique_ptr<Picture> picture(new Picture{ renderer, shown, vtkTreeAMRTarget::GetViewport(renderer),
+      isWhole, isPeeling, mapper->PrepareVolume(renderer, shown), std::move(cut),
       { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, {} });
     if (picture->HasVolume || !picture->Actors.isEmpty())
     {
@@ -481,7 +484,8 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
     this->Private->CurrentFrame = treeamr::VolumeFrame(); // nothing of it is drawn or counts
     for (vtkVolume* shown : treeamr::orderVolumes(renderer).volumes)
     {
-      static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper())->Private->CurrentFrame = treeamr::VolumeFrame();
+      static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper())->Private->CurrentFrame =
+        treeamr::VolumeFrame();
     }
   }
   catch (const std::exception& error)

@@ -129,6 +129,6 @@ struct vtkTreeAMRVolumeMapper::Picture
   bool HasVolume; // else it failed
   treeamr::DataCut Cut;
   treeamr::ActorLayers Actors;
-  treeamr::Progress* Progress; // null: none follows
+  treeamr::Progress* Progress;                                // null: none follows
   std::optional<std::vector<treeamr::SurfaceShader>> Shaders; // once they are traced, the mapper's own first
 };

@@ -160,9 +160,8 @@ VolumeOrder orderVolumes(vtkRenderer* renderer)
   {
     // The first one that nothing lies before; where there is none, for they lie in a ring, the nearest.
     auto next = std::find_if(boxes.begin(), boxes.end(), [&](const WorldBox& box) {
-      return std::none_of(boxes.begin(), boxes.end(), [&](const WorldBox& other) {
-        return &other != &box && compare(other, box, eye) == Depth::Nearer;
-      });
+      return std::none_of(boxes.begin(), boxes.end(),
+        [&](const WorldBox& other) { return &other != &box && compare(other, box, eye) == Depth::Nearer; });
     });
     next = next == boxes.end() ? boxes.begin() : next;
     for (const WorldBox& other : boxes)

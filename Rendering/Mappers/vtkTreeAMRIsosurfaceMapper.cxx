@@ -251,8 +251,8 @@ void vtkTreeAMRIsosurfaceMapper::UpdateSurface(vtkHyperTreeGrid* grid)
 }
 
 //------------------------------------------------------------------------------
-vtkIdType vtkTreeAMRIsosurfaceMapper::IntersectWithLine(const double p1[3], const double p2[3], double t1,
-  double t2, double& t, double normal[3], double& value)
+vtkIdType vtkTreeAMRIsosurfaceMapper::IntersectWithLine(
+  const double p1[3], const double p2[3], double t1, double t2, double& t, double normal[3], double& value)
 {
   try
   {

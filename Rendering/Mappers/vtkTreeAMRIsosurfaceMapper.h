@@ -171,8 +171,8 @@ public:
   /// The nearest point of the surfaces on the line from p1 to p2 (data coordinates), between the fractions t1 and t2 of
   /// it: its fraction t, the normal towards lower values (of any length), the surface's value; returns the cell's index
   /// in the cell arrays. -1: there is none, or it failed, as the next frame tells. For vtkTreeAMRPicker.
-  vtkIdType IntersectWithLine(const double p1[3], const double p2[3], double t1, double t2, double& t,
-    double normal[3], double& value);
+  vtkIdType IntersectWithLine(
+    const double p1[3], const double p2[3], double t1, double t2, double& t, double normal[3], double& value);
 
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;

@@ -8,9 +8,9 @@
  * images, where the scalar opacity is VolumeOpacityIsovalue or more, to an eighth of a cell (gradient opacity, a second
  * property of that picker, takes no part), within the mapper's cropping regions. Everything else is the superclass's.
  *
- * PickPosition, MapperPosition and the normals are as always: towards lower values or, of volumes that are opaque where
- * the line enters, of the face there. CellId is the index into the grid's cell arrays, PickedGrid has these, PickedValue is the value of the contoured or
- * drawn array there. DataSet, sub-cells and points are for data sets.
+ * PickPosition, MapperPosition and the normals are as always: towards lower values or, of volumes that are opaque where the
+ * line enters, of the face there. CellId is the index into the grid's cell arrays, PickedGrid has these, PickedValue is the
+ * value of the contoured or drawn array there. DataSet, sub-cells and points are for data sets.
  */
 
 #ifndef vtkTreeAMRPicker_h

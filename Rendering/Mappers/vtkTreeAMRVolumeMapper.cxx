@@ -81,7 +81,8 @@ vtkTreeAMRVolumeMapper::~vtkTreeAMRVolumeMapper() = default;
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::SetSamplesPerCell(double value)
 {
-  treeamr::setWithin(this, "SamplesPerCell", this->SamplesPerCell, value, FewestSamplesPerCell, MostSamplesPerCell);
+  treeamr::setWithin(
+    this, "SamplesPerCell", this->SamplesPerCell, value, FewestSamplesPerCell, MostSamplesPerCell);
 }
 
 //------------------------------------------------------------------------------

@@ -2,24 +2,24 @@
  * @class   vtkTreeAMRVolumeMapper
  * @brief   ray-traces a vtkHyperTreeGrid as a volume on the CPU
  *
- * With linear interpolation the field is the generalized trilinear interpolation of the cells' values (see Core/Interpolation):
- * continuous across refinement levels, without resampling. A volume mapper like VTK's own: colours, scalar
- * opacity and its unit distance (in data units: a scaled volume looks the same) come from the vtkVolume's
- * vtkVolumeProperty, component 0; the array from SelectScalarArray() and ScalarMode. Without a selection it
- * is the active scalars or, when there are none, the first cell array.
+ * With linear interpolation the field is the generalized trilinear interpolation of the cells' values (see
+ * Core/Interpolation): continuous across refinement levels, without resampling. A volume mapper like VTK's own: colours,
+ * scalar opacity and its unit distance (in data units: a scaled volume looks the same) come from the vtkVolume's
+ * vtkVolumeProperty, component 0; the array from SelectScalarArray() and ScalarMode. Without a selection it is the active
+ * scalars or, when there are none, the first cell array.
  *
- * Composite blending, lit where the property's Shade asks for it, by normals that are continuous across levels, and
- * with its gradient opacity: a function of the change across the width of the finest cells, where VTK's is of that
- * across an image's spacing. Maximum, minimum and average intensity and additive blending as VTK's GPU mapper has
- * them. Slices (SetSliceFunction(), a vtkPlane in world coordinates): the colour and, whatever the unit distance, the
- * opacity of the value in the plane, lit as a composite is. Or isosurface blending: the surfaces of the property's GetIsoSurfaceValues() (VTK's
- * default is one, 0) alone, each coloured and as opaque as the functions are at its value, whatever the unit
- * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the
- * volume, in one pass and in their order.
+ * Composite blending, lit where the property's Shade asks for it, by normals that are continuous across levels, and with
+ * its gradient opacity: a function of the change across the width of the finest cells, where VTK's is of that across an
+ * image's spacing. Maximum, minimum and average intensity and additive blending as VTK's GPU mapper has them. Slices
+ * (SetSliceFunction(), a vtkPlane in world coordinates): the colour and, whatever the unit distance, the opacity of the
+ * value in the plane, lit as a composite is. Or isosurface blending: the surfaces of the property's GetIsoSurfaceValues()
+ * (VTK's default is one, 0) alone, each coloured and as opaque as the functions are at its value, whatever the unit
+ * distance, and shaded when the property is. With ShowIsosurfaces composite blending has them inside the volume, in one
+ * pass and in their order.
  *
  * Several volumes of such mappers in a renderer are drawn when the first one is, each where it lies before or behind the
- * others, in depth peeling, too. Of those that overlap the one whose centre is nearer is before the other, which warns once.
- * Volumes of VTK's own mappers come when VTK asks them.
+ * others, in depth peeling, too. Of those that overlap the one whose centre is nearer is before the other, which warns
+ * once. Volumes of VTK's own mappers come when VTK asks them.
  *
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons
  * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Where nothing is translucent but one such
@@ -127,10 +127,10 @@ public:
   ///@}
 
   ///@{
-  /// Samples of the field along one cell's width, from FewestSamplesPerCell to MostSamplesPerCell, where colour or opacity vary in the
-  /// cell; fewer where little can change, but at least one in each cell, or block of eight cells of one size,
-  /// that a ray crosses. Where the opacity function varies more than samples can follow its integral over
-  /// each step is used. Default 2.
+  /// Samples of the field along one cell's width, from FewestSamplesPerCell to MostSamplesPerCell, where colour or opacity
+  /// vary in the cell; fewer where little can change, but at least one in each cell, or block of eight cells of one size,
+  /// that a ray crosses. Where the opacity function varies more than samples can follow its integral over each step is
+  /// used. Default 2.
   virtual void SetSamplesPerCell(double value);
   vtkGetMacro(SamplesPerCell, double);
   static constexpr double FewestSamplesPerCell = 0.01;
@@ -295,8 +295,8 @@ public:
   ///     OpenGL had to draw before, and drawing the image
   /// Belongs to the mapper, which fills it in when asked.
   vtkTable* GetStatistics();
-  /// Of many processes that draw one picture, before each frame and on all: makes drafts as coarse as the slowest one needs.
-  /// largest(numbers): makes each number the largest of all processes'.
+  /// Of many processes that draw one picture, before each frame and on all: makes drafts as coarse as the slowest one
+  /// needs. largest(numbers): makes each number the largest of all processes'.
   void AgreeOnDrafts(
     vtkRenderer* renderer, vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest);
   ///@{
@@ -309,8 +309,9 @@ public:
 
   /// The first point on the line from p1 to p2 (data coordinates), between the fractions t1 and t2 of it and in the
   /// cropping regions, where the volume's scalar opacity is at least `opacity`, found in steps of an eighth of a cell: its
-  /// fraction t, the normal towards lower values or of the face entered (of any length; 0: there is none) and the value of the drawn array; returns
-  /// the cell's index in the cell arrays. -1: there is none, or it failed, as the next frame tells. For vtkTreeAMRPicker.
+  /// fraction t, the normal towards lower values or of the face entered (of any length; 0: there is none) and the value of
+  /// the drawn array; returns the cell's index in the cell arrays. -1: there is none, or it failed, as the next frame
+  /// tells. For vtkTreeAMRPicker.
   vtkIdType IntersectWithLine(vtkVolume* volume, const double p1[3], const double p2[3], double t1, double t2,
     double opacity, double& t, double normal[3], double& value);
 
@@ -401,7 +402,8 @@ private:
   using Pictures = std::vector<std::unique_ptr<Picture>>;
   static vtkTreeAMRVolumeMapper* MapperOf(const Picture& picture);
   void StartFrames(const Pictures& pictures);
-  void TraceAll(const Pictures& pictures, const vtkTreeAMRRaySegments& pixels, std::optional<vtkTreeAMRRayImage>& all);
+  void TraceAll(
+    const Pictures& pictures, const vtkTreeAMRRaySegments& pixels, std::optional<vtkTreeAMRRayImage>& all);
   void DrawPeeled(const Pictures& pictures);
   void DrawOver(const Pictures& pictures);
   /// For a selector of props alone.

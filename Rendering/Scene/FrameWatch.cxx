@@ -69,6 +69,20 @@ bool FrameWatch::isReporting()
   return observersAreCalled;
 }
 
+/// Whether the window has somebody to ask for aborts.
+bool FrameWatch::checks() const
+{
+  vtkRenderWindow* const window = renderer_->GetRenderWindow();
+  return window && window->HasObserver(vtkCommand::AbortCheckEvent);
+}
+
+/// Whether the mapper has somebody to tell its progress.
+bool FrameWatch::tells() const
+{
+  return tells_ &&
+    (mapper_->HasObserver(vtkCommand::ProgressEvent) || (event_ != 0 && mapper_->HasObserver(event_)));
+}
+
 bool FrameWatch::isAborted() const
 {
   vtkRenderWindow* const window = renderer_->GetRenderWindow();
@@ -85,23 +99,21 @@ bool FrameWatch::canDraw()
   {
     return true;
   }
-  vtkRenderWindow* const window = renderer_->GetRenderWindow();
-  if (window && window->HasObserver(vtkCommand::AbortCheckEvent))
+  if (this->checks())
   {
-    const Events events(window);
-    window->CheckAbortStatus();
+    const Events events(renderer_->GetRenderWindow());
+    renderer_->GetRenderWindow()->CheckAbortStatus();
   }
   return !this->isAborted();
 }
 
 bool FrameWatch::report(double part)
 {
-  vtkRenderWindow* const window = renderer_->GetRenderWindow();
-  const bool checks = window && window->HasObserver(vtkCommand::AbortCheckEvent);
-  const bool tells = tells_ &&
-    (mapper_->HasObserver(vtkCommand::ProgressEvent) || (event_ != 0 && mapper_->HasObserver(event_)));
+  const bool checks = this->checks();
+  const bool tells = this->tells();
   if (checks || tells)
   {
+    vtkRenderWindow* const window = renderer_->GetRenderWindow();
     const Events events(window);
     if (checks)
     {

@@ -26,10 +26,12 @@ public:
   bool canDraw();
   /// Whether this call is made by an observer of a frame.
   static bool isReporting();
-  /// Null: none follows.
-  Progress* progress() noexcept { return isSelection_ ? nullptr : &progress_; }
+  /// Null: none follows, and the frame pays for none.
+  Progress* progress() { return !isSelection_ && (this->checks() || this->tells()) ? &progress_ : nullptr; }
 
 private:
+  bool checks() const;
+  bool tells() const;
   bool isAborted() const;
   bool report(double part);
 

@@ -98,7 +98,7 @@ private:
   float extinctionPart_;
   std::optional<ColorCurve> curve_; // of the part
   double unitDistance_ = 1.;
-  float corner_ = 0.f; // place of the curve's own
+  float corner_ = 0.f;          // place of the curve's own
   std::vector<Sample> samples_; // in order of their places
   std::vector<float> bends_;    // at samples: by how much slopes change per place, halved
   std::vector<Corner> corners_;

@@ -74,22 +74,6 @@ std::vector<Blend> blends()
   return all;
 }
 
-/// The part of pixels that differ: rays along an edge may meet it or not.
-double partThatDiffers(const Image& a, const Image& b)
-{
-  int count = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); i += 4)
-  {
-    bool differs = false;
-    for (std::size_t c = i; c < i + 4; ++c)
-    {
-      differs = differs || !(std::abs(a.rgba[c] - b.rgba[c]) <= tolerance);
-    }
-    count += differs;
-  }
-  return count / static_cast<double>(a.width * a.height);
-}
-
 /// At many samples all but everywhere, extremes at any; at the default ones in the mean.
 void expectAlike(const Field& field, const Camera& camera, const RayStops& stops,
   const VolumeSettings& settings, const Image& expected, const std::string& what)
@@ -102,7 +86,8 @@ void expectAlike(const Field& field, const Camera& camera, const RayStops& stops
     ofKernel.samplesPerCell = isExtreme ? ofKernel.samplesPerCell : 64.;
     renderVolume(field, colors(), camera, stops, ofKernel, image);
     // Rays along edges aside. Of a part of the values the reference's own samples count or not.
-    EXPECT_LT(partThatDiffers(image, expected), std::isfinite(settings.averageRange.min) ? 0.006 : 0.003)
+    EXPECT_LT(
+      partThatDiffers(image, expected, tolerance), std::isfinite(settings.averageRange.min) ? 0.006 : 0.003)
       << what;
   });
 }

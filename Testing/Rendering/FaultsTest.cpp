@@ -63,8 +63,7 @@ std::shared_ptr<const Field> acquireField(vtkHyperTreeGrid* grid, const ArraySel
 }
 
 void traceAmbientOcclusion(const Isosurface& surface, const Camera& camera, const HitImage& hits,
-  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut,
-  Progress* progress)
+  double radius, int first, int end, std::vector<std::uint16_t>& open, const DataCut& cut, Progress* progress)
 {
   original<decltype(&traceAmbientOcclusion)>(
     "_ZN7treeamr21traceAmbientOcclusionERKNS_10IsosurfaceERKNS_6CameraERKNS_8HitImageEdiiRSt6vectorItSaItEE"

@@ -219,8 +219,7 @@ TEST_F(FrameEventsTest, oneOfSeveralProcessesGoesOn)
   ASSERT_EQ(processes->GetNumberOfProcesses(), 2);
   vtkMultiProcessController* const before = vtkMultiProcessController::GetGlobalController();
   vtkMultiProcessController::SetGlobalController(processes);
-  const Observer progress(
-    mapper, progressOfVolumes, [&](void*) { scene.window->SetAbortRender(1); });
+  const Observer progress(mapper, progressOfVolumes, [&](void*) { scene.window->SetAbortRender(1); });
   const Picture picture = scene.render();
   vtkMultiProcessController::SetGlobalController(before);
   EXPECT_GE(progress.count, 3);

@@ -52,8 +52,8 @@ TEST_F(VtkNamesTest, sampleDistancesOfRootsThatDiffer)
   options.max = { 2., 0., 3. }; // roots of 1 x 1 x 4
   options.refine = [](const Point&, int level) { return level < 2; };
   Scene scene;
-  vtkVolume* volume =
-    scene.addVolume(makeGrid(options, { { "x", [](const Point& p) { return p[0]; } } }), "x", { 1., 1., 1. }, 1.);
+  vtkVolume* volume = scene.addVolume(
+    makeGrid(options, { { "x", [](const Point& p) { return p[0]; } } }), "x", { 1., 1., 1. }, 1.);
   Scene::mapperOf(volume)->SetSampleDistance(0.5);
   scene.setCamera();
   scene.render();

@@ -48,4 +48,20 @@ inline double meanDifference(const Image& a, const Image& b)
   return sum / std::max(drawn, 1);
 }
 
+/// The part of pixels of which a channel differs by more, or is not a number: rays along edges of cells belong to either side.
+inline double partThatDiffers(const Image& a, const Image& b, float tolerance)
+{
+  int count = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); i += 4)
+  {
+    bool differs = false;
+    for (std::size_t c = i; c < i + 4; ++c)
+    {
+      differs = differs || !(std::abs(a.rgba[c] - b.rgba[c]) <= tolerance);
+    }
+    count += differs;
+  }
+  return count / static_cast<double>(a.width * a.height);
+}
+
 } // namespace treeamr::test

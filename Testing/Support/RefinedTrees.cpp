@@ -136,7 +136,8 @@ std::shared_ptr<Field> makeField(const BaseTree& tree, int refinement, const Ana
 
 std::shared_ptr<Field> makeFieldNear(const BaseTree& tree, int refinement, const AnalyticSurface& surface)
 {
-  constexpr double largestCells = 4.; // what vertex gradients at the surface are made of lies within three of these
+  constexpr double largestCells =
+    4.; // what vertex gradients at the surface are made of lies within three of these
   const double margin = largestCells * std::ldexp(rootWidth, -refinement);
   std::vector<LeafCell> cells;
   for (const LeafCell& leaf : tree.cells)

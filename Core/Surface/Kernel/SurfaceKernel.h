@@ -1,6 +1,7 @@
-// Many rays through the octants of blocks of leaves at once, vectorised with Highway and compiled once for each
-// instruction set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots(), gradientAt(), normalAt() and shade() on all; the best is
-// chosen when the program runs. Each stage packs what it found, so that the next one has no idle lanes.
+// Many rays through the octants of blocks of leaves at once, vectorised with Highway and compiled once for each instruction
+// set, with the bits of Camera::ray(), TraceSpace::start(), walkBlock(), alongCrossing(), visitRoots(), gradientAt(),
+// normalAt() and shade() on all; the best is chosen when the program runs. Each stage packs what it found, so that the next
+// one has no idle lanes.
 #pragma once
 
 #include "Surface/BlockWalk.h"
