@@ -13,8 +13,9 @@ BUILD = build
 SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 # Without -noreset the X server may reset itself between two clients.
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
+PYTHON = /usr/bin/python3 # which has Debian's packages
 
-.PHONY: build configure setup demo check check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
+.PHONY: build configure setup demo gallery check check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -40,6 +41,11 @@ demo: configure
 	mkdir -p $(BUILD)/demo
 	$(BUILD)/bin/treeamr-demo-forest $(BUILD)/demo/mandelbulb.p8est
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py $(BUILD)/demo/mandelbulb.p8est
+
+# The pictures of Documentation/gallery.md, and a page of them.
+gallery: configure
+	cmake --build $(BUILD) --target product
+	. $(BUILD)/env.sh && $(XVFB) $(PYTHON) Testing/Plugin/TestGallery.py pvpython $(BUILD)/gallery
 
 check: build
 	$(XVFB) ctest --test-dir $(BUILD) --parallel 2 --output-on-failure --no-tests=error
@@ -105,7 +111,6 @@ compare-frames: build $(FORESTS:%=$(BENCH)/%.p8est)
 # Error against run time, stiff and extreme cases, ParaView's routes: all measured afresh, under an hour on two cores.
 REPORT = $(BUILD)/report
 CASES = StiffCasesTest ExtremeCasesTest ExtremeViewsTest ExtremeWindowsTest FaultsTest AllocationFailureTest
-PYTHON = /usr/bin/python3 # which has Debian's packages
 # Failed cases are rows of the report, not its end.
 MEASURE_CASES = $(foreach test,$(CASES),$(XVFB) $(BUILD)/bin/$(test) --gtest_output=json:$(REPORT)/tests/$(test).json \
   > $(REPORT)/tests/$(test).log || cat $(REPORT)/tests/$(test).log;) \
