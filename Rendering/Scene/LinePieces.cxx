@@ -23,7 +23,7 @@ constexpr float corners = 8e-5f; // what is cut off from them, and rounding
 constexpr float tolerance = static_cast<float>(colorsOfMany) - 0.25f * betweenNeighbours - corners;
 /// Extinctions less than that are none.
 constexpr float nothing = 1e-8f;
-constexpr std::size_t gaps = 32; // of samples at first
+constexpr std::size_t gaps = 24; // of samples at first
 /// Of a gap between samples: where pieces may end.
 constexpr std::size_t steps = 4;
 
@@ -441,7 +441,7 @@ std::size_t LinePieces::longest(std::size_t first, std::size_t expected, Fit& fi
   std::size_t next = expected;
   std::size_t step = steps / 2;
   constexpr int guesses = 4;
-  constexpr float enough = 0.75f; // of a step, to go without a try
+  constexpr float enough = 1.25f; // of a step, to go without a try
   for (int tries = 1; close + 1 < far; ++tries)
   {
     next = std::clamp(next, close + 1, far - 1);
