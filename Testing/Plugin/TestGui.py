@@ -1,24 +1,30 @@
 """The plugin in the real GUI: menus, Apply, the representation's combo box, the panel, the colour map editor.
 
-TestGui.py <paraview> <folder for screenshots>
+TestGui.py <paraview> <folder for screenshots> <folder with mandelbulb.p8est>
 
-Screenshots of the whole display are volume.png, colours.png, isosurface.png, swept.png, completed.png, rendered.png
-and dragged.png.
+Screenshots of the whole display are PICTURES for the clicks of gui.xml, SESSION for those of session.xml.
 """
 
+import itertools
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
 import unittest
 
+import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
-PARAVIEW, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
+PARAVIEW, FOLDER, DATA = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+SESSION_FOLDER = FOLDER / "session"
 PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "completed.png", "rendered.png",
             "dragged.png"]
+BLEND_MODES = ["maximum.png", "minimum.png", "average.png", "additive.png", "isosurface.png", "slice.png"]
+SESSION = ["surface.png", "volume.png", "viridis.png", "shaded.png", *BLEND_MODES, "composite.png", "cropped.png",
+           "undone.png", "undone-again.png", "redone.png", "empty.png", "loaded.png"]
 TELL_DISTANCE = f"""
 from paraview.simple import *
 import treeamr.vtkTreeAMRRendering
@@ -41,15 +47,16 @@ Show(TreeAMRExample()).SetRepresentationType("Tree AMR Isosurface")
 Render()
 sys.exit(0)
 """
-# Run by ParaView itself, so that nothing moves on meanwhile.
-MACROS = {
-    "screenshot": f"""
+SCREENSHOT = """
 import os
 import subprocess
 
-picture = next(p for p in {[str(FOLDER / p) for p in PICTURES]} if not os.path.exists(p))
+picture = next(p for p in {} if not os.path.exists(p))
 subprocess.run(['import', '-window', 'root', picture], check=True)
-""",
+"""
+# Run by ParaView itself, so that nothing moves on meanwhile.
+MACROS = {
+    "screenshot": SCREENSHOT.format([str(FOLDER / p) for p in PICTURES]),
     "sweep": TELL_DISTANCE + f"""
 display.InteractiveRenderTime = 1e-9  # as few rays as allowed
 Render()
@@ -108,25 +115,30 @@ def is_yellow_or_green(red, green, blue):
     return (green > 130) & (green > blue + 40) & (green > 0.8 * red)
 
 
-class TestGui(unittest.TestCase):
-    @staticmethod
-    def run_paraview(*arguments):
-        return subprocess.run(
-            [PARAVIEW, "--dr", *arguments],
-            env=os.environ | {"HOME": str(FOLDER / "home"), "XDG_RUNTIME_DIR": str(FOLDER / "run")},
-            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+def run_paraview(folder, *arguments):
+    return subprocess.run(
+        [PARAVIEW, "--dr", *arguments],
+        env=os.environ | {"HOME": str(folder / "home"), "XDG_RUNTIME_DIR": str(folder / "run")},
+        text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
+
+def play(clicks, folder, macros):
+    shutil.rmtree(folder, ignore_errors=True)
+    macro_folder = folder / "home" / ".config" / "ParaView" / "Macros"
+    macro_folder.mkdir(parents=True)
+    for name, text in macros.items():
+        (macro_folder / f"{name}.py").write_text(text, encoding="utf-8")
+    (folder / "run").mkdir(mode=0o700)
+    done = run_paraview(folder, f"--test-directory={folder}", f"--data-directory={DATA}",
+                        f"--test-script={pathlib.Path(__file__).parent / clicks}", "--exit")
+    print(done.stdout, done.stderr)
+    return done
+
+
+class TestGui(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        shutil.rmtree(FOLDER, ignore_errors=True)
-        macros = FOLDER / "home" / ".config" / "ParaView" / "Macros"
-        macros.mkdir(parents=True)
-        for name, text in MACROS.items():
-            (macros / f"{name}.py").write_text(text, encoding="utf-8")
-        (FOLDER / "run").mkdir(mode=0o700)
-        script = pathlib.Path(__file__).parent / "gui.xml"
-        cls.done = cls.run_paraview(f"--test-directory={FOLDER}", f"--test-script={script}", "--exit")
-        print(cls.done.stdout, cls.done.stderr)
+        cls.done = play("gui.xml", FOLDER, MACROS)
 
     def test_ends_without_an_error(self):
         self.assertEqual(0, self.done.returncode)
@@ -166,8 +178,56 @@ class TestGui(unittest.TestCase):
         """What is shown then outlives the libraries that drew it."""
         script = FOLDER / "ends.py"
         script.write_text(END, encoding="utf-8")
-        done = self.run_paraview(f"--script={script}")
+        done = run_paraview(FOLDER, f"--script={script}")
         self.assertEqual(0, done.returncode, done.stderr)
+
+
+def left_and_right(name):
+    """Of the volume, what the message window does not hide of it."""
+    view = pixels(f"session/{name}").reshape(3, 1200, 1600)[:, 720:980, 310:740]
+    return np.split(view, 2, axis=2)
+
+
+def differ(first, second):
+    """The share of pixels."""
+    return (first != second).any(axis=0).mean()
+
+
+class TestSession(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.done = play("session.xml", SESSION_FOLDER,
+                        {"screenshot": SCREENSHOT.format([str(SESSION_FOLDER / p) for p in SESSION])})
+        cls.views = {name: np.concatenate(left_and_right(name), axis=2) for name in SESSION}
+
+    def test_ends_with_the_messages_of_paraview_alone(self):
+        """Which offers every grid to representations that take no hyper tree grid, at undo and when a state is loaded."""
+        self.assertEqual(0, self.done.returncode)
+        messages = re.findall(r"(?:ERR|WARN)\|.*", self.done.stderr)
+        own = r"vtk(PolarAxes|PointGaussian|DataLabel)Representation .* vtkHyperTreeGrid, but a vtkDataSet is required"
+        self.assertEqual([], [message for message in messages if not re.search(own, message)])
+
+    def test_each_choice_is_seen(self):
+        """The representation, the preset, light."""
+        for before, after in itertools.pairwise(SESSION[:4]):
+            self.assertGreater(differ(self.views[before], self.views[after]), 0.2, after)
+
+    def test_each_blend_mode_is_its_own(self):
+        for first, second in itertools.combinations(["shaded.png", *BLEND_MODES], 2):
+            self.assertGreater(differ(self.views[first], self.views[second]), 0.1, f"{first} {second}")
+        self.assertEqual(0, differ(self.views["shaded.png"], self.views["composite.png"]))
+
+    def test_cropping_leaves_nothing_of_a_half(self):
+        kept, cut = left_and_right("cropped.png")
+        background = left_and_right("empty.png")
+        self.assertGreater(differ(kept, background[0]), 0.3)
+        self.assertLess(differ(cut, background[1]), 0.05)
+
+    def test_undo_redo_and_state_give_the_same_pictures(self):
+        for name in ("undone.png", "undone-again.png"):
+            self.assertEqual(0, differ(self.views["composite.png"], self.views[name]), name)
+        for name in ("redone.png", "loaded.png"):
+            self.assertEqual(0, differ(self.views["cropped.png"], self.views[name]), name)
 
 
 if __name__ == "__main__":
