@@ -15,8 +15,11 @@ import sys
 import unittest
 
 import numpy as np
+from paraview import simple
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
+
+import scene
 
 PARAVIEW, FOLDER, DATA = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
 SESSION_FOLDER = FOLDER / "session"
@@ -87,6 +90,21 @@ from paraview.simple import *
 GetDisplayProperties().FirstIsovalue -= 0.1
 Render()
 Delete(GetActiveSource())
+""",
+}
+SESSION_MACROS = {
+    "screenshot": SCREENSHOT.format([str(SESSION_FOLDER / p) for p in SESSION]),
+    "trace": f"""
+from paraview import smtrace
+from paraview.modules.vtkRemotingServerManager import vtkSMTrace
+from paraview.simple import *
+
+if vtkSMTrace.GetActiveTracer() is None:
+    smtrace.start_trace()
+else:
+    with open({str(SESSION_FOLDER / "trace.py")!r}, "w", encoding="utf-8") as file:
+        file.write(smtrace.stop_trace())
+    SaveScreenshot({str(SESSION_FOLDER / "traced.png")!r}, GetActiveView())
 """,
 }
 
@@ -196,8 +214,7 @@ def differ(first, second):
 class TestSession(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.done = play("session.xml", SESSION_FOLDER,
-                        {"screenshot": SCREENSHOT.format([str(SESSION_FOLDER / p) for p in SESSION])})
+        cls.done = play("session.xml", SESSION_FOLDER, SESSION_MACROS)
         cls.views = {name: np.concatenate(left_and_right(name), axis=2) for name in SESSION}
 
     def test_ends_with_the_messages_of_paraview_alone(self):
@@ -229,6 +246,12 @@ class TestSession(unittest.TestCase):
         for name in ("redone.png", "loaded.png"):
             self.assertEqual(0, differ(self.views["cropped.png"], self.views[name]), name)
 
+    def test_trace_draws_what_was_traced(self):
+        exec((SESSION_FOLDER / "trace.py").read_text(encoding="utf-8"), {})
+        simple.SaveScreenshot(str(SESSION_FOLDER / "replayed.png"), simple.GetActiveView())
+        off = np.abs(pixels("session/traced.png") - pixels("session/replayed.png"))
+        self.assertLess((off > 2).any(axis=0).mean(), 0.002)
+
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    scene.main()
