@@ -41,6 +41,8 @@ demo: configure
 	mkdir -p $(BUILD)/demo
 	$(BUILD)/bin/treeamr-demo-forest $(BUILD)/demo/mandelbulb.p8est
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py $(BUILD)/demo/mandelbulb.p8est
+	@echo "Pictures are in $(BUILD)/demo. Next, for the same in ParaView (Apply, then Tree AMR Volume instead of Surface):"
+	@echo "  . $(BUILD)/env.sh && paraview $(BUILD)/demo/mandelbulb.p8est"
 
 # The pictures of Documentation/gallery.md, and a page of them.
 gallery: configure

@@ -12,6 +12,7 @@ import sys
 import unittest
 import xml.etree.ElementTree as ElementTree
 
+import treeamr
 from paraview import servermanager, simple
 
 import scene
@@ -114,6 +115,25 @@ class TestDocumentation(unittest.TestCase):
                 found.add(name)
                 self.assertTrue(any(test.startswith(name) for test in known), f"{page.name}: {name}")
         self.assertGreater(len(found), 30)
+
+    def test_programs_in_pages_exist(self):
+        sources = "".join(path.read_text() for path in (root / "Testing").rglob("CMakeLists.txt"))
+        built = set(re.findall(r"add_executable\(([\w-]+)", sources))
+        for page in pages:
+            for name in re.findall(r"build(?:-consumer|/bin)/([a-z-]+)", page.read_text()):
+                self.assertIn(name, built, page.name)
+
+    def test_names_in_pages_exist(self):
+        """Classes of VTK and of ParaView's Python, functions for numpy."""
+        classes = {path.stem for path in root.glob("[RP]*/**/vtkTreeAMR*.h")}
+        for page in pages:
+            text = page.read_text()
+            for name in re.findall(r"\bvtkTreeAMR[A-Z]\w+", text):
+                self.assertIn(name, classes | {"vtkTreeAMRReader", "vtkTreeAMRRendering"}, page.name)
+            for name in re.findall(r"\bTreeAMR\w+(?=\()", text):
+                self.assertTrue(hasattr(simple, name), f"{page.name}: {name}")
+            for name in re.findall(r"\btreeamr\.((?!vtk|pc\b)\w+)", text):
+                self.assertTrue(hasattr(treeamr, name), f"{page.name}: treeamr.{name}")
 
     def test_targets_of_make(self):
         makefile = (root / "Makefile").read_text()
