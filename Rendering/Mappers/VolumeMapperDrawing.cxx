@@ -4,6 +4,7 @@
 #include "SampleDistance.h"
 #include "SceneConversion.h"
 #include "VolumeEffects.h"
+#include "VolumeLayers.h"
 #include "VolumeMapperInternals.h"
 #include "VolumeOrder.h"
 #include "vtkTreeAMRDepthReader.h"
@@ -24,24 +25,6 @@
 #include <exception>
 #include <optional>
 #include <span>
-
-namespace
-{
-
-/// Of images that are premultiplied.
-void putBehind(treeamr::Image& image, const treeamr::Image& behind)
-{
-  for (std::size_t i = 0; i < image.rgba.size(); i += 4)
-  {
-    const float through = 1.f - image.rgba[i + 3];
-    for (int c = 0; c < 4; ++c)
-    {
-      image.rgba[i + c] += through * behind.rgba[i + c];
-    }
-  }
-}
-
-} // anonymous namespace
 
 //------------------------------------------------------------------------------
 vtkTreeAMRVolumeMapper* vtkTreeAMRVolumeMapper::MapperOf(const Picture& picture)
@@ -311,44 +294,45 @@ vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::Trace(Picture& picture, const vtkTree
 void vtkTreeAMRVolumeMapper::StartFrames(const Pictures& pictures)
 {
   double distance = 0.;
-  for (const std::unique_ptr<Picture>& picture : pictures)
+  for (const std::unique_ptr<Picture>& picture : pictures.Volumes)
   {
     vtkTreeAMRVolumeMapper* mapper = MapperOf(*picture);
     mapper->StartFrame(*picture);
-    const treeamr::VolumeFrame& frame = mapper->Private->CurrentFrame;
+    treeamr::VolumeFrame& frame = mapper->Private->CurrentFrame;
+    frame.SquaredError = pictures.areLayered() ? -1. : frame.SquaredError; // estimates are of whole rays
     distance = distance == 0. ? frame.ImageSampleDistance
       : frame.Interactive     ? std::max(distance, frame.ImageSampleDistance)
                               : std::min(distance, frame.ImageSampleDistance);
   }
-  for (const std::unique_ptr<Picture>& picture : pictures)
+  for (const std::unique_ptr<Picture>& picture : pictures.Volumes)
   {
     MapperOf(*picture)->Private->CurrentFrame.ImageSampleDistance = distance;
   }
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::TraceAll(
-  const Pictures& pictures, const vtkTreeAMRRaySegments& pixels, std::optional<vtkTreeAMRRayImage>& all)
+vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::TraceAll(
+  const Pictures& pictures, const vtkTreeAMRRaySegments& pixels)
 {
-  for (const std::unique_ptr<Picture>& picture : pictures)
+  if (pictures.areLayered())
   {
-    vtkTreeAMRVolumeMapper* mapper = MapperOf(*picture);
-    if (pictures.size() > 1)
-    {
-      picture->HasVolume =
-        mapper->PrepareVolume(picture->Renderer, picture->Volume); // volumes may share a mapper
-      picture->Shaders.reset();
-    }
-    vtkTreeAMRRayImage image = mapper->Trace(*picture, pixels);
+    return this->TraceLayers(pictures, pixels);
+  }
+  std::optional<vtkTreeAMRRayImage> all;
+  for (const std::unique_ptr<Picture>& picture : pictures.Volumes)
+  {
+    PrepareShared(pictures, *picture);
+    vtkTreeAMRRayImage image = MapperOf(*picture)->Trace(*picture, pixels);
     if (all)
     {
-      putBehind(all->Image, image.Image);
+      treeamr::putBehind(image.Image, all->Image);
     }
     else
     {
       all.emplace(std::move(image));
     }
   }
+  return std::move(*all);
 }
 
 //------------------------------------------------------------------------------
@@ -356,7 +340,7 @@ void vtkTreeAMRVolumeMapper::DrawPeeled(const Pictures& pictures)
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
-  const Picture& own = *pictures.front();
+  const Picture& own = *pictures.Volumes.front();
   vtkTreeAMRRaySegments front;
   vtkTreeAMRRaySegments back;
   const double start = vtkTimerLog::GetUniversalTime();
@@ -372,12 +356,11 @@ void vtkTreeAMRVolumeMapper::DrawPeeled(const Pictures& pictures)
   std::optional<vtkTreeAMRRayImage> frontImage;
   if (!front.IsEmpty())
   {
-    this->TraceAll(pictures, front, frontImage);
+    frontImage = this->TraceAll(pictures, front);
   }
-  std::optional<vtkTreeAMRRayImage> backImage;
-  this->TraceAll(pictures, back, backImage);
+  const vtkTreeAMRRayImage backImage = this->TraceAll(pictures, back);
   const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
-  internals.DepthPeeling.Draw(own.Renderer, frontImage ? &*frontImage : nullptr, *backImage);
+  internals.DepthPeeling.Draw(own.Renderer, frontImage ? &*frontImage : nullptr, backImage);
 }
 
 //------------------------------------------------------------------------------
@@ -385,7 +368,7 @@ void vtkTreeAMRVolumeMapper::DrawOver(const Pictures& pictures)
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
-  const Picture& own = *pictures.front();
+  const Picture& own = *pictures.Volumes.front();
   this->StartFrames(pictures);
   vtkTreeAMRRaySegments segments;
   {
@@ -393,10 +376,9 @@ void vtkTreeAMRVolumeMapper::DrawOver(const Pictures& pictures)
     vtkTreeAMRDepthReader::Read(own.Renderer, own.Viewport, segments.End);
     segments.Simplify();
   }
-  std::optional<vtkTreeAMRRayImage> image;
-  this->TraceAll(pictures, segments, image);
+  const vtkTreeAMRRayImage image = this->TraceAll(pictures, segments);
   const treeamr::Stopwatch stopwatch(frame.CompositingSeconds);
-  internals.Painter.DrawOver(own.Renderer, *image);
+  internals.Painter.DrawOver(own.Renderer, image);
 }
 
 //------------------------------------------------------------------------------
@@ -408,11 +390,12 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
     throw treeamr::Error(
       "volume mapper: in a vtkMultiVolume, needed is a vtkVolume of its own for each grid");
   }
-  treeamr::VolumeOrder order = treeamr::orderVolumes(renderer);
+  Pictures pictures{ treeamr::orderVolumes(renderer), {} };
+  treeamr::VolumeOrder& order = pictures.Order;
   if (order.volumes.size() < 2 ||
     std::find(order.volumes.begin(), order.volumes.end(), volume) == order.volumes.end())
   {
-    order = { { volume }, volume, nullptr };
+    order = { { volume }, { {} }, volume };
   }
   treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
   const bool isWhole = scene.volume == volume && order.volumes.size() == 1;
@@ -421,17 +404,22 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
   {
     return false; // that one, or that stage, draws everything
   }
-  if (order.overlapping)
+  if (order.overlaps() && !order.isLayered)
   {
     this->Private->Messages.warning({ "overlap",
-      "Two volumes of one view overlap: each is drawn as a whole, that whose centre is nearer before the "
-      "other." });
+      "Two volumes of one view overlap, one of which blends values: each is drawn as a whole, that whose "
+      "centre "
+      "is nearer before the other." });
+  }
+  if (pictures.areLayered() && (this->EstimateError || this->TargetError > 0.))
+  {
+    this->Private->Messages.warning({ "overlap of estimates",
+      "EstimateError and TargetError: no error is estimated of volumes that overlap others." });
   }
   if (!isWhole)
   {
     scene.surfaces.clear();
   }
-  Pictures pictures;
   for (vtkVolume* shown : order.volumes)
   {
     auto* mapper = static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper());
@@ -442,10 +430,10 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
       { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, {} });
     if (picture->HasVolume || !picture->Actors.isEmpty())
     {
-      pictures.push_back(std::move(picture));
+      pictures.Volumes.push_back(std::move(picture));
     }
   }
-  if (!pictures.empty())
+  if (!pictures.Volumes.empty())
   {
     isPeeling ? this->DrawPeeled(pictures) : this->DrawOver(pictures);
   }

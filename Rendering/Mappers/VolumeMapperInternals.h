@@ -5,6 +5,7 @@
 #include "MapperMessages.h"
 #include "SurfaceShading.h"
 #include "TranslucentScene.h"
+#include "VolumeOrder.h"
 #include "VolumeSurfaces.h"
 #include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRImagePainter.h"
@@ -131,4 +132,14 @@ struct vtkTreeAMRVolumeMapper::Picture
   treeamr::ActorLayers Actors;
   treeamr::Progress* Progress;                                // null: none follows
   std::optional<std::vector<treeamr::SurfaceShader>> Shaders; // once they are traced, the mapper's own first
+};
+
+//------------------------------------------------------------------------------
+// Of several volumes in one view, nearest first: all with one distance between rays.
+struct vtkTreeAMRVolumeMapper::Pictures
+{
+  treeamr::VolumeOrder Order;
+  std::vector<std::unique_ptr<Picture>> Volumes; // without those that failed
+
+  bool areLayered() const { return this->Order.overlaps() && this->Order.isLayered; }
 };

@@ -3,6 +3,8 @@
 #include "TranslucentScene.h"
 #include "vtkTreeAMRVolumeMapper.h"
 
+#include "Geometry/Vec3.h"
+
 #include "vtkCamera.h"
 #include "vtkMath.h"
 #include "vtkMatrix4x4.h"
@@ -22,12 +24,7 @@ namespace treeamr
 namespace
 {
 
-using Point = std::array<double, 3>;
-
-double dot(const Point& a, const Point& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+using Point = Vec3;
 
 /// A volume's box in the world.
 struct WorldBox
@@ -68,9 +65,11 @@ WorldBox boxOf(vtkVolume* volume)
   return box;
 }
 
-std::pair<double, double> extentOf(const WorldBox& box, const Point& direction)
+using Extent = std::pair<double, double>;
+
+Extent extentOf(const WorldBox& box, const Point& direction)
 {
-  std::pair extent(dot(box.corners[0], direction), dot(box.corners[0], direction));
+  Extent extent(dot(box.corners[0], direction), dot(box.corners[0], direction));
   for (const Point& corner : box.corners)
   {
     extent.first = std::min(extent.first, dot(corner, direction));
@@ -128,6 +127,35 @@ Depth compare(const WorldBox& a, const WorldBox& b, const Eye& eye)
   return Depth::Overlapping;
 }
 
+/// Where both are along a direction, at most.
+Extent overlapOf(const WorldBox& a, const WorldBox& b, const Point& direction)
+{
+  const Extent ofA = extentOf(a, direction);
+  const Extent ofB = extentOf(b, direction);
+  // What the boxes along the axes around them have in common.
+  Extent common(0., 0.);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    Point unit{};
+    unit[axis] = 1.;
+    const Extent alongA = extentOf(a, unit);
+    const Extent alongB = extentOf(b, unit);
+    const auto [low, high] = std::minmax({ direction[axis] * std::max(alongA.first, alongB.first),
+      direction[axis] * std::min(alongA.second, alongB.second) });
+    common.first += low;
+    common.second += high;
+  }
+  return { std::max({ ofA.first, ofB.first, common.first }),
+    std::min({ ofA.second, ofB.second, common.second }) };
+}
+
+bool hasLayers(vtkVolume* volume)
+{
+  const int blend = vtkTreeAMRVolumeMapper::SafeDownCast(volume->GetMapper())->GetBlendMode();
+  return blend == vtkVolumeMapper::COMPOSITE_BLEND || blend == vtkVolumeMapper::ISOSURFACE_BLEND ||
+    blend == vtkVolumeMapper::SLICE_BLEND;
+}
+
 } // namespace
 
 VolumeOrder orderVolumes(vtkRenderer* renderer)
@@ -156,6 +184,7 @@ VolumeOrder orderVolumes(vtkRenderer* renderer)
   std::stable_sort(boxes.begin(), boxes.end(),
     [&](const WorldBox& a, const WorldBox& b) { return eye.distance(a.centre) < eye.distance(b.centre); });
   order.volumes.clear();
+  const double eyeDepth = dot(eye.place, eye.away);
   while (!boxes.empty())
   {
     // The first one that nothing lies before; where there is none, for they lie in a ring, the nearest.
@@ -168,10 +197,17 @@ VolumeOrder orderVolumes(vtkRenderer* renderer)
     {
       if (&other != &*next && compare(other, *next, eye) == Depth::Overlapping)
       {
-        order.overlapping = next->volume;
+        const Extent common = overlapOf(other, *next, eye.away);
+        const Extent fromEye(common.first - eyeDepth, common.second - eyeDepth);
+        order.overlap = order.overlaps() ? Extent(std::min(order.overlap.first, fromEye.first),
+                                             std::max(order.overlap.second, fromEye.second))
+                                         : fromEye;
+        order.isLayered = order.isLayered && hasLayers(other.volume) && hasLayers(next->volume);
       }
     }
+    const Extent extent = extentOf(*next, eye.away);
     order.volumes.push_back(next->volume);
+    order.extents.emplace_back(extent.first - eyeDepth, extent.second - eyeDepth);
     boxes.erase(next);
   }
   return order;

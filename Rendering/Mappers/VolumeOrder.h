@@ -1,6 +1,7 @@
 // In which order several volumes of one renderer lie before the eye. Private to the module.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 class vtkRenderer;
@@ -13,9 +14,15 @@ namespace treeamr
 struct VolumeOrder
 {
   std::vector<vtkVolume*> volumes; // nearest first
-  vtkVolume* first = nullptr;      // that VTK asks to draw
-  vtkVolume* overlapping =
-    nullptr; // whose box no plane along a face of its own or of another's parts from all others
+  /// Of each volume, from where to where it is along the direction of projection, from the eye's plane on.
+  std::vector<std::pair<double, double>> extents;
+  vtkVolume* first = nullptr; // that VTK asks to draw
+  /// Along the same direction, what holds all that boxes have in common that no plane along a face of either parts;
+  /// empty: there is nothing.
+  std::pair<double, double> overlap{ 0., 0. };
+  bool isLayered = true; // none of these volumes blends values
+
+  bool overlaps() const noexcept { return overlap.first < overlap.second; }
 };
 
 VolumeOrder orderVolumes(vtkRenderer* renderer);

@@ -18,8 +18,9 @@
  * pass and in their order.
  *
  * Several volumes of such mappers in a renderer are drawn when the first one is, each where it lies before or behind the
- * others, in depth peeling, too. Of those that overlap the one whose centre is nearer is before the other, which warns
- * once. Volumes of VTK's own mappers come when VTK asks them.
+ * others, in depth peeling, too. Where they overlap their light is merged along the rays, in thin layers across the
+ * direction of projection, and no error is estimated; where one of them blends values, the one whose centre is nearer is
+ * before the other, which warns once. Volumes of VTK's own mappers come when VTK asks them.
  *
  * Opaque geometry in front, inside and behind is honoured through the depth buffer, translucent polygons
  * through dual depth peeling (vtkRenderer::UseDepthPeelingForVolumes). Where nothing is translucent but one such
@@ -73,8 +74,10 @@ struct ArraySelection;
 class Field;
 struct DraftSettings;
 struct Image;
+struct MixedImage;
 class Progress;
 struct RayView;
+struct VolumeLayer;
 } // namespace treeamr
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRVolumeMapper : public vtkVolumeMapper
@@ -398,12 +401,14 @@ private:
   void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);
   void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image);
   vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
-  /// Of several volumes in one view, nearest first: all with one distance between rays.
-  using Pictures = std::vector<std::unique_ptr<Picture>>;
+  struct Pictures;
   static vtkTreeAMRVolumeMapper* MapperOf(const Picture& picture);
   void StartFrames(const Pictures& pictures);
-  void TraceAll(
-    const Pictures& pictures, const vtkTreeAMRRaySegments& pixels, std::optional<vtkTreeAMRRayImage>& all);
+  static void PrepareShared(const Pictures& pictures, Picture& picture);
+  static treeamr::MixedImage TraceLayer(const Pictures& pictures, const treeamr::VolumeLayer& layer,
+    const vtkTreeAMRRaySegments& rays, int width, int height);
+  vtkTreeAMRRayImage TraceLayers(const Pictures& pictures, const vtkTreeAMRRaySegments& pixels);
+  vtkTreeAMRRayImage TraceAll(const Pictures& pictures, const vtkTreeAMRRaySegments& pixels);
   void DrawPeeled(const Pictures& pictures);
   void DrawOver(const Pictures& pictures);
   /// For a selector of props alone.

@@ -1,6 +1,12 @@
 // Several volumes in one view, beside each other and overlapping.
 #include "RenderingScene.h"
 
+#include "vtkColorTransferFunction.h"
+#include "vtkPiecewiseFunction.h"
+
+#include <algorithm>
+#include <cmath>
+
 namespace
 {
 
@@ -21,7 +27,7 @@ protected:
   {
     vtkVolume* volume = scene.addVolume(grid, "one", color, 0.6);
     volume->SetPosition(place[0], place[1], place[2]);
-    volume->SetScale(0.5, 0.5, 0.5); // one wide
+    volume->SetScale(scale, scale, scale);
     volumes.push_back(volume);
     return volume;
   }
@@ -79,6 +85,92 @@ protected:
     EXPECT_GT(several, 50);
   }
 
+  void setExtinction(double perLength)
+  {
+    extinction = perLength;
+    for (vtkVolume* volume : volumes)
+    {
+      vtkPiecewiseFunction* function = volume->GetProperty()->GetScalarOpacity();
+      function->RemoveAllPoints();
+      function->AddPoint(0., -std::expm1(-extinction * scale));
+    }
+  }
+  /// A volume where a ray meets it.
+  struct Part
+  {
+    double begin;
+    double end;
+    Color color;
+  };
+  /// What a ray sees of even volumes, by the integral between each two ends.
+  Color integral(const std::vector<Part>& parts, double length) const
+  {
+    std::vector<double> ends;
+    for (const Part& part : parts)
+    {
+      ends.insert(ends.end(), { part.begin, part.end });
+    }
+    std::sort(ends.begin(), ends.end());
+    Color seen{};
+    double through = 1.;
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i)
+    {
+      Color sum{};
+      double there = 0.;
+      for (const Part& part : parts)
+      {
+        if (part.begin <= ends[i] && part.end >= ends[i + 1])
+        {
+          ++there;
+          for (int c = 0; c < 3; ++c)
+          {
+            sum[c] += part.color[c];
+          }
+        }
+      }
+      const double depth = there * extinction * length * (ends[i + 1] - ends[i]);
+      for (int c = 0; there > 0. && c < 3; ++c)
+      {
+        seen[c] += through * -std::expm1(-depth) * sum[c] / there;
+      }
+      through *= std::exp(-depth);
+    }
+    return seen;
+  }
+  /// Channels are off by no more.
+  void expectMerged(double largest, double mean)
+  {
+    const Picture all = scene.render();
+    double sum = 0.;
+    int several = 0;
+    for (std::size_t p = 0; p < all.size(); ++p)
+    {
+      const auto width = static_cast<std::size_t>(scene.width());
+      const PixelRay ray = scene.ray(static_cast<double>(p % width), static_cast<double>(p / width));
+      std::vector<Part> parts;
+      for (vtkVolume* volume : volumes)
+      {
+        Part part{};
+        if (Scene::chord(ray, volume, Box(), part.begin, part.end))
+        {
+          volume->GetProperty()->GetRGBTransferFunction()->GetColor(0., part.color.data());
+          parts.push_back(part);
+        }
+      }
+      several += parts.size() > 1;
+      const Color expected = this->integral(parts, ray.length());
+      for (int c = 0; c < 3; ++c)
+      {
+        ASSERT_NEAR(all[p][c], expected[c], largest) << "pixel " << p;
+        sum += std::abs(all[p][c] - expected[c]) / (3. * static_cast<double>(all.size()));
+      }
+    }
+    EXPECT_LT(sum, mean);
+    EXPECT_GT(several, 100);
+  }
+
+  static constexpr double scale = 0.5; // of the data, which are two wide
+  double extinction = 0.;
   vtkSmartPointer<vtkHyperTreeGrid> grid;
   Scene scene;
   std::vector<vtkVolume*> volumes;
@@ -159,15 +251,78 @@ TEST_F(SeveralVolumesTest, inDepthPeeling)
   this->expectOrder({ first, second }, peeling);
 }
 
-TEST_F(SeveralVolumesTest, overlappingOnesAreSaidOnce)
+TEST_F(SeveralVolumesTest, overlappingOnesAreMerged)
+{
+  this->add(red, { 0., 0., 0. });
+  this->add(green, { 0.3, 0.2, 0.4 });
+  const MessageCounter messages(Scene::mapperOf(volumes.front()));
+  for (const double perLength : { 1., 0.1, 20. })
+  {
+    this->setExtinction(perLength);
+    for (const bool parallel : { false, true })
+    {
+      scene.renderer->GetActiveCamera()->SetParallelProjection(parallel);
+      for (const Point& from : { Point{ 4., 0.6, 0.8 }, Point{ -4., 0.6, 0.8 }, Point{ 1., 3., -2. } })
+      {
+        this->look(from);
+        this->expectMerged(2. / 255., 0.4 / 255.);
+      }
+    }
+  }
+  // From inside both.
+  scene.renderer->GetActiveCamera()->SetParallelProjection(false);
+  this->setExtinction(1.);
+  this->look({ 4., 0.6, 0.8 });
+  scene.renderer->GetActiveCamera()->SetPosition(0.25, 0.15, 0.3);
+  scene.renderer->GetActiveCamera()->SetFocalPoint(-1., 0.2, -0.3);
+  scene.renderer->GetActiveCamera()->SetClippingRange(0.01, 10.);
+  this->expectMerged(2. / 255., 0.4 / 255.);
+  EXPECT_TRUE(messages.warnings.empty());
+}
+
+TEST_F(SeveralVolumesTest, threeThatOverlapAreMerged)
+{
+  this->add(red, { 0., 0., 0. });
+  this->add(green, { 0.3, 0.2, 0.4 });
+  this->add(blue, { -0.3, 0.3, 0.1 });
+  this->setExtinction(1.);
+  this->look({ 4., 0.6, 0.8 });
+  this->expectMerged(2. / 255., 0.4 / 255.);
+  // And one behind them all, of a mapper that another has, too.
+  this->add(blue, { -2.5, 0., 0. })->SetMapper(volumes.front()->GetMapper());
+  this->setExtinction(1.);
+  this->look({ 4., 0.6, 0.8 });
+  this->expectMerged(2. / 255., 0.4 / 255.);
+}
+
+TEST_F(SeveralVolumesTest, overlappingOnesAreMergedInDepthPeeling)
+{
+  this->add(red, { 0., 0., 0. });
+  this->add(green, { 0.3, 0.2, 0.4 });
+  this->setExtinction(1.);
+  scene.renderer->UseDepthPeelingOn();
+  scene.renderer->UseDepthPeelingForVolumesOn();
+  scene.addRectangle({ 0., 5., 0. }, { 0.1, 0., 0. }, { 0., 0., 0.1 }, { 0., 0., 0. }, 0.5);
+  this->look({ 4., 0.6, 0.8 });
+  this->expectMerged(4. / 255., 1.5 / 255.); // textures of 8 bits
+}
+
+TEST_F(SeveralVolumesTest, whatCannotBeMergedIsSaidOnce)
 {
   vtkVolume* first = this->add(red, { 0., 0., 0. });
   vtkVolume* second = this->add(green, { 0.5, 0., 0. });
   const MessageCounter messages(Scene::mapperOf(first));
+  Scene::mapperOf(second)->SetBlendModeToMaximumIntensity();
   this->look({ 4., 0.6, 0.8 });
   this->expectOrder({ second, first });
   scene.render();
   EXPECT_EQ(messages.warnings.size(), 1u);
+  Scene::mapperOf(second)->SetBlendModeToComposite();
+  Scene::mapperOf(first)->SetEstimateError(true);
+  scene.render();
+  scene.render();
+  EXPECT_EQ(messages.warnings.size(), 2u);
+  EXPECT_EQ(Scene::statistic(first, "EstimatedError"), -1.);
 }
 
 TEST_F(SeveralVolumesTest, oneThatFailsLeavesTheOthers)
