@@ -55,65 +55,146 @@ void putBehind(const float* behind, float* rgba)
   }
 }
 
-using Trace = std::function<MixedImage(const VolumeLayer&, const PixelMask&)>;
+bool isEmpty(const PixelMask& mask)
+{
+  return std::all_of(mask.begin(), mask.end(), [](unsigned char wanted) { return wanted == 0; });
+}
+
+/// The least of a part that has all pixels of a mask, which has some.
+ImagePart boundsOf(const PixelMask& mask, const ImagePart& part)
+{
+  int left = part.width;
+  int right = 0;
+  int lower = part.height;
+  int upper = 0;
+  for (int row = 0; row < part.height; ++row)
+  {
+    const auto begin = mask.begin() + static_cast<std::ptrdiff_t>(row) * part.width;
+    const auto isWanted = [](unsigned char wanted) { return wanted != 0; };
+    const auto first = std::find_if(begin, begin + part.width, isWanted);
+    if (first == begin + part.width)
+    {
+      continue;
+    }
+    int last = part.width;
+    while (begin[last - 1] == 0)
+    {
+      --last;
+    }
+    left = std::min(left, static_cast<int>(first - begin));
+    right = std::max(right, last);
+    lower = std::min(lower, row);
+    upper = row + 1;
+  }
+  return { part.imageWidth, part.imageHeight, part.x + left, part.y + lower, right - left, upper - lower };
+}
+
+/// Calls use(pixel of the inner part, pixel of the outer one).
+template <class Use>
+void forEachShared(const ImagePart& inner, const ImagePart& outer, const Use& use)
+{
+  for (int row = 0; row < inner.height; ++row)
+  {
+    const std::size_t of = static_cast<std::size_t>(row) * inner.width;
+    const std::size_t from =
+      static_cast<std::size_t>(inner.y - outer.y + row) * outer.width + (inner.x - outer.x);
+    for (int column = 0; column < inner.width; ++column)
+    {
+      use(of + column, from + column);
+    }
+  }
+}
 
 /// A layer in halves.
 class Halving
 {
 public:
-  Halving(int most, const Trace& trace, Image& image)
+  Halving(int most, const TraceLayer& trace)
     : most_(most)
     , trace_(trace)
-    , image_(image)
   {
   }
 
-  /// whole: the layer's image in one part, of pixels that are wanted; depth: how often it has been halved.
-  void add(const VolumeLayer& layer, const MixedImage& whole, const PixelMask& wanted, int depth)
+  /// whole: the layer's image in one go, of pixels that are wanted; depth: how often it has been halved. All of the part's
+  /// size.
+  void add(const VolumeLayer& layer, const ImagePart& part, const MixedImage& whole, const PixelMask& wanted,
+    int depth, Image& image) const
   {
     VolumeLayer near = layer;
     VolumeLayer far = layer;
     near.end = far.begin = 0.5f * (layer.begin + layer.end);
-    const bool hasHalves = depth < most_ && near.begin < near.end && far.begin < far.end;
+    const bool hasHalves =
+      depth < most_ && near.begin < near.end && far.begin < far.end && !whole.error.empty();
     PixelMask halved(wanted.size());
     forEachPixel(wanted.size(), [&](std::size_t pixel) {
-      halved[pixel] = hasHalves && wanted[pixel] && this->isSeen(pixel, this->errorOf(whole, pixel));
+      constexpr float seen = 1.f / 256.f;
+      const float through = 1.f - image.rgba[4 * pixel + 3];
+      halved[pixel] = wanted[pixel] && hasHalves && through * whole.error[pixel] > seen;
       if (wanted[pixel] && !halved[pixel])
       {
-        putBehind(&whole.image.rgba[4 * pixel], &image_.rgba[4 * pixel]);
+        putBehind(&whole.image.rgba[4 * pixel], &image.rgba[4 * pixel]);
       }
     });
     if (isEmpty(halved))
     {
       return;
     }
-    const MixedImage first = trace_(near, halved);
-    const MixedImage second = trace_(far, halved);
-    this->add(near, first, halved, depth + 1);
-    this->add(far, second, halved, depth + 1);
+    const ImagePart inner = boundsOf(halved, part);
+    Image innerImage(inner.width, inner.height);
+    PixelMask innerHalved(innerImage.rgba.size() / 4);
+    forEachShared(inner, part, [&](std::size_t of, std::size_t from) {
+      innerHalved[of] = halved[from];
+      std::copy_n(&image.rgba[4 * from], 4, &innerImage.rgba[4 * of]);
+    });
+    for (const VolumeLayer& half : { near, far })
+    {
+      this->add(
+        half, inner, trace_(half, inner, innerHalved, innerImage), innerHalved, depth + 1, innerImage);
+    }
+    forEachShared(inner, part, [&](std::size_t of, std::size_t from) {
+      std::copy_n(&innerImage.rgba[4 * of], 4, &image.rgba[4 * from]);
+    });
   }
 
 private:
-  static float errorOf(const MixedImage& mixed, std::size_t pixel)
-  {
-    return mixed.error.empty() ? 0.f : mixed.error[pixel];
-  }
-  static bool isEmpty(const PixelMask& mask)
-  {
-    return std::all_of(mask.begin(), mask.end(), [](unsigned char wanted) { return wanted == 0; });
-  }
-  bool isSeen(std::size_t pixel, float error) const
-  {
-    constexpr float least = 1.f / 256.f;
-    return (1.f - image_.rgba[4 * pixel + 3]) * error > least;
-  }
-
   int most_;
-  const Trace& trace_;
-  Image& image_;
+  const TraceLayer& trace_;
 };
 
 } // namespace
+
+Matrix4 ImagePart::clip(const Matrix4& ofImage) const noexcept
+{
+  if (this->isWhole())
+  {
+    return ofImage;
+  }
+  Matrix4 result = ofImage;
+  for (int column = 0; column < 4; ++column)
+  {
+    const double w = ofImage[12 + column];
+    result[column] = (imageWidth * ofImage[column] - (2. * x + width - imageWidth) * w) / width;
+    result[4 + column] = (imageHeight * ofImage[4 + column] - (2. * y + height - imageHeight) * w) / height;
+  }
+  return result;
+}
+
+HitsOfPart::HitsOfPart(const TranslucentHits& ofImage, const ImagePart& part)
+{
+  first.reserve(static_cast<std::size_t>(part.width) * part.height + 1);
+  first.push_back(0);
+  for (int row = 0; row < part.height; ++row)
+  {
+    for (int column = 0; column < part.width; ++column)
+    {
+      const std::size_t pixel = part.pixel(column, row);
+      const auto of =
+        ofImage.hits.subspan(ofImage.first[pixel], ofImage.first[pixel + 1] - ofImage.first[pixel]);
+      hits.insert(hits.end(), of.begin(), of.end());
+      first.push_back(hits.size());
+    }
+  }
+}
 
 std::vector<VolumeLayer> makeVolumeLayers(vtkRenderer* renderer, const VolumeOrder& order)
 {
@@ -185,10 +266,11 @@ void putBehind(const Image& behind, Image& image)
     [&](std::size_t pixel) { putBehind(&behind.rgba[4 * pixel], &image.rgba[4 * pixel]); });
 }
 
-void addLayer(const VolumeLayer& layer, int halvings, const Trace& trace, Image& image)
+void addLayer(const VolumeLayer& layer, int halvings, const TraceLayer& trace, Image& image)
 {
+  const ImagePart whole{ image.width, image.height };
   const PixelMask all(image.rgba.size() / 4, 1);
-  Halving(halvings, trace, image).add(layer, trace(layer, all), all, 0);
+  Halving(halvings, trace).add(layer, whole, trace(layer, whole, all, image), all, 0, image);
 }
 
 } // namespace treeamr

@@ -221,12 +221,12 @@ void vtkTreeAMRVolumeMapper::TraceSurfaces(Picture& picture)
 
 //------------------------------------------------------------------------------
 void vtkTreeAMRVolumeMapper::Composite(
-  Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image)
+  Picture& picture, const vtkTreeAMRRaySegments& rays, const treeamr::ImagePart& part, treeamr::Image& image)
 {
   Internals& internals = *this->Private;
   // In data coordinates, as in VTK's own volume mappers: the unit distance takes part in the volume's scale.
-  const treeamr::Camera camera(
-    treeamr::clipFromData(picture.Renderer, picture.Volume), image.width, image.height);
+  const treeamr::Matrix4 clipFromData = treeamr::clipFromData(picture.Renderer, picture.Volume);
+  const treeamr::Camera camera(part.clip(clipFromData), part.width, part.height);
   const bool isFirst = !picture.Shaders;
   if (isFirst) // the same for the other part of the rays
   {
@@ -238,16 +238,22 @@ void vtkTreeAMRVolumeMapper::Composite(
     if (isFirst && !shaders.empty())
     {
       const double start = vtkTimerLog::GetUniversalTime();
-      treeamr::collectLayers(shaders, camera,
+      treeamr::collectLayers(shaders, treeamr::Camera(clipFromData, part.imageWidth, part.imageHeight),
         picture.IsWhole ? std::span<const float>(rays.End) : std::span<const float>(), internals.Layers);
       picture.Actors.recordShading(vtkTimerLog::GetUniversalTime() - start);
     }
     treeamr::RayStops stops = treeamr::RayStops::depths(
       rays.Begin.empty() ? nullptr : rays.Begin.data(), rays.End.empty() ? nullptr : rays.End.data());
     stops.cut = picture.Cut;
+    std::optional<treeamr::HitsOfPart> hits;
     if (!shaders.empty())
     {
       stops.hits = internals.Layers.hits();
+      if (!part.isWhole())
+      {
+        hits.emplace(*stops.hits, part);
+        stops.hits = { hits->first, hits->hits };
+      }
     }
     try
     {
@@ -284,7 +290,7 @@ vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::Trace(Picture& picture, const vtkTree
   const vtkTreeAMRRaySegments& rays = reduction.isFull() ? pixels : reduced;
   if (!rays.IsEmpty())
   {
-    this->Composite(picture, rays, result.Image);
+    this->Composite(picture, rays, { reduction.width(), reduction.height() }, result.Image);
     treeamr::applyColorWindow(this->FinalColorWindow, this->FinalColorLevel, result.Image);
   }
   return result;

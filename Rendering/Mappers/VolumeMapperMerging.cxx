@@ -34,9 +34,9 @@ void vtkTreeAMRVolumeMapper::PrepareShared(const Pictures& pictures, Picture& pi
 
 //------------------------------------------------------------------------------
 treeamr::MixedImage vtkTreeAMRVolumeMapper::TraceLayer(const Pictures& pictures,
-  const treeamr::VolumeLayer& layer, const vtkTreeAMRRaySegments& rays, int width, int height)
+  const treeamr::VolumeLayer& layer, const vtkTreeAMRRaySegments& rays, const treeamr::ImagePart& part)
 {
-  treeamr::MixedImage all{ treeamr::Image(width, height), {} };
+  treeamr::MixedImage all{ treeamr::Image(part.width, part.height), {} };
   if (rays.IsEmpty())
   {
     return all;
@@ -52,8 +52,8 @@ treeamr::MixedImage vtkTreeAMRVolumeMapper::TraceLayer(const Pictures& pictures,
     }
     PrepareShared(pictures, **found);
     vtkTreeAMRVolumeMapper* mapper = MapperOf(**found);
-    treeamr::Image image(width, height);
-    mapper->Composite(**found, rays, image);
+    treeamr::Image image(part.width, part.height);
+    mapper->Composite(**found, rays, part, image);
     treeamr::applyColorWindow(mapper->FinalColorWindow, mapper->FinalColorLevel, image);
     if (isFirst)
     {
@@ -84,15 +84,21 @@ vtkTreeAMRRayImage vtkTreeAMRVolumeMapper::TraceLayers(
   const std::size_t count = result.Image.rgba.size() / 4;
   rays.Begin.resize(count, 0.f);
   rays.End.resize(count, 1.f);
-  vtkTreeAMRRaySegments part{ std::vector<float>(count), std::vector<float>(count) };
-  const auto trace = [&](const treeamr::VolumeLayer& layer, const treeamr::PixelMask& wanted) {
-    for (std::size_t i = 0; i < count; ++i)
+  const auto trace = [&](const treeamr::VolumeLayer& layer, const treeamr::ImagePart& part,
+                       const treeamr::PixelMask& wanted, const treeamr::Image& before) {
+    vtkTreeAMRRaySegments segments{ std::vector<float>(wanted.size()), std::vector<float>(wanted.size()) };
+    std::size_t i = 0;
+    for (int row = 0; row < part.height; ++row)
     {
-      const bool isDone = result.Image.rgba[4 * i + 3] > 1.f - treeamr::opaqueTransmittance;
-      part.Begin[i] = std::max(rays.Begin[i], layer.begin);
-      part.End[i] = isDone || !wanted[i] ? part.Begin[i] : std::min(rays.End[i], layer.end);
+      for (int column = 0; column < part.width; ++column, ++i)
+      {
+        const std::size_t pixel = part.pixel(column, row);
+        const bool isDone = before.rgba[4 * i + 3] > 1.f - treeamr::opaqueTransmittance;
+        segments.Begin[i] = std::max(rays.Begin[pixel], layer.begin);
+        segments.End[i] = isDone || !wanted[i] ? segments.Begin[i] : std::min(rays.End[pixel], layer.end);
+      }
     }
-    return TraceLayer(pictures, layer, part, reduction.width(), reduction.height());
+    return TraceLayer(pictures, layer, segments, part);
   };
   for (const treeamr::VolumeLayer& layer : treeamr::makeVolumeLayers(own.Renderer, pictures.Order))
   {

@@ -74,6 +74,7 @@ struct ArraySelection;
 class Field;
 struct DraftSettings;
 struct Image;
+struct ImagePart;
 struct MixedImage;
 class Progress;
 struct RayView;
@@ -399,14 +400,15 @@ private:
   void StartFrame(const Picture& picture);
   void TraceSurfaces(Picture& picture);
   void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);
-  void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, treeamr::Image& image);
+  void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, const treeamr::ImagePart& part,
+    treeamr::Image& image);
   vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
   struct Pictures;
   static vtkTreeAMRVolumeMapper* MapperOf(const Picture& picture);
   void StartFrames(const Pictures& pictures);
   static void PrepareShared(const Pictures& pictures, Picture& picture);
   static treeamr::MixedImage TraceLayer(const Pictures& pictures, const treeamr::VolumeLayer& layer,
-    const vtkTreeAMRRaySegments& rays, int width, int height);
+    const vtkTreeAMRRaySegments& rays, const treeamr::ImagePart& part);
   vtkTreeAMRRayImage TraceLayers(const Pictures& pictures, const vtkTreeAMRRaySegments& pixels);
   vtkTreeAMRRayImage TraceAll(const Pictures& pictures, const vtkTreeAMRRaySegments& pixels);
   void DrawPeeled(const Pictures& pictures);
