@@ -1,12 +1,7 @@
 #include "Surface/SurfaceHierarchy.h"
 
 #include "Error.h"
-
-#if TREEAMR_EMBREE >= 4
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include "Surface/EmbreeVersions.h"
 
 #include <algorithm>
 #include <array>
@@ -39,29 +34,16 @@ float parameterOf(double tEnter, double tLeave, double t) noexcept
   return static_cast<float>((t - tEnter) / (tLeave - tEnter)) + UnitBox::rounding;
 }
 
-#if TREEAMR_EMBREE >= 4
-using Context = RTCRayQueryContext;
-#else
-using Context = RTCIntersectContext;
-#endif
-
 /// A single ray, or those of a tile by their ids, passed through Embree.
 struct Query
 {
-  Context context; // first: Embree hands back a pointer to it
+  embree::Context context; // first: Embree hands back a pointer to it
   const RayPart* ray = nullptr;
   RayHits* hits = nullptr;
   RayTile* tile = nullptr;
   std::exception_ptr failure; // of a callback: Embree would drop it with the rest of the hits
 
-  Query()
-  {
-#if TREEAMR_EMBREE >= 4
-    rtcInitRayQueryContext(&context);
-#else
-    rtcInitIntersectContext(&context);
-#endif
-  }
+  Query() { embree::initialise(context); }
   Query(const RayPart& one, RayHits& of)
     : Query()
   {
@@ -79,41 +61,6 @@ struct Query
     {
       std::rethrow_exception(failure);
     }
-  }
-  void intersect(RTCScene scene, RTCRayHit& rayHit)
-  {
-#if TREEAMR_EMBREE >= 4
-    RTCIntersectArguments arguments;
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = &context;
-    rtcIntersect1(scene, &rayHit, &arguments);
-#else
-    rtcIntersect1(scene, &context, &rayHit);
-#endif
-  }
-  void intersect(RTCScene scene, const int* valid, RTCRayHit16& rayHits)
-  {
-#if TREEAMR_EMBREE >= 4
-    RTCIntersectArguments arguments;
-    rtcInitIntersectArguments(&arguments);
-    arguments.context = &context;
-    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
-    rtcIntersect16(valid, scene, &rayHits, &arguments);
-#else
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect16(valid, scene, &context, &rayHits);
-#endif
-  }
-  void occluded(RTCScene scene, RTCRay& ray)
-  {
-#if TREEAMR_EMBREE >= 4
-    RTCOccludedArguments arguments;
-    rtcInitOccludedArguments(&arguments);
-    arguments.context = &context;
-    rtcOccluded1(scene, &ray, &arguments);
-#else
-    rtcOccluded1(scene, &context, &ray);
-#endif
   }
 };
 
@@ -390,7 +337,7 @@ void SurfaceHierarchy::intersect(const RayPart& part, RayHits& hits) const
   {
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     Query query(part, hits);
-    query.intersect(impl_->scene, ray);
+    embree::intersect(impl_->scene, query.context, ray);
     query.rethrow();
   }
 }
@@ -401,7 +348,7 @@ void SurfaceHierarchy::occluded(const RayPart& part, RayHits& hits) const
   if (impl_->find(part, ray))
   {
     Query query(part, hits);
-    query.occluded(impl_->scene, ray);
+    embree::occluded(impl_->scene, query.context, ray);
     query.rethrow();
   }
 }
@@ -413,7 +360,7 @@ void SurfaceHierarchy::intersect(RayTile& tile) const
     RTCRayHit16 packet;
     Impl::fill(tile, first, packet.ray);
     std::fill_n(packet.hit.geomID, packetRays, RTC_INVALID_GEOMETRY_ID);
-    query.intersect(impl_->scene, valid, packet);
+    embree::intersect(impl_->scene, query.context, valid, packet);
     query.rethrow();
   });
 }

@@ -6,11 +6,11 @@
 #include "Support/Cameras.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
+#include "Surface/EmbreeVersions.h"
 #include "Surface/SecondaryRays.h"
 #include "Volume/Volume.h"
 
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 

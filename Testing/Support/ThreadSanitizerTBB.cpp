@@ -19,6 +19,7 @@ extern "C" const char* __tsan_default_suppressions()
 {
   return "called_from_lib:libtbb.so\n"
          "called_from_lib:libembree3.so\n"
+         "called_from_lib:libembree4.so\n"
          "race:treeamr::*::Impl::bounds\n"
          "race:swrast_dri.so";
 }
