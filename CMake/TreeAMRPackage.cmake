@@ -35,10 +35,12 @@ install(
   FILES
     "${PROJECT_BINARY_DIR}/CMakeFiles/package/TreeAMRConfig.cmake"
     "${PROJECT_BINARY_DIR}/CMakeFiles/package/TreeAMRConfigVersion.cmake"
+    CMake/TreeAMRVTKTargets.cmake
   DESTINATION "${package_dir}"
   COMPONENT development)
 # vtk_module_build() writes the targets beside these.
 treeamr_package("${PROJECT_BINARY_DIR}/${package_dir}" "${PROJECT_BINARY_DIR}" "${package_dir}")
+configure_file(CMake/TreeAMRVTKTargets.cmake "${PROJECT_BINARY_DIR}/${package_dir}/TreeAMRVTKTargets.cmake" COPYONLY)
 if (NOT TARGET TreeAMR::Reader)
   export(EXPORT TreeAMR NAMESPACE TreeAMR:: FILE "${PROJECT_BINARY_DIR}/${package_dir}/TreeAMR-targets.cmake")
 endif ()
