@@ -1,12 +1,21 @@
-# Everything from a bare Debian 12: `make demo` and `make check` install what they need, build, and run.
+# Everything from a bare Debian: `make demo` and `make check` install what they need, build, and run.
 
-# One list of the Debian packages: to build, to run, and to test.
+# One list of the Debian packages: to build, to run, and to test. From Debian 13 on ParaView has Qt 6 and asks for Python's
+# development files, after it for those of VTK, too.
 PACKAGES = \
   g++ cmake ninja-build \
-  paraview-dev python3-paraview libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
+  $(PACKAGES_PARAVIEW_$(PARAVIEW)) libopenmpi-dev libx11-dev libglew-dev libfreetype-dev \
   libembree-dev libtbb-dev libhwy-dev \
-  paraview openmpi-bin libqt5svg5 libgl1-mesa-dri xvfb xauth \
+  openmpi-bin libgl1-mesa-dri xvfb xauth \
   libgtest-dev libp4est-dev imagemagick valgrind python3-numpy python3-matplotlib
+RELEASE = $(shell . /etc/os-release && echo $$VERSION_CODENAME)
+PACKAGES_PARAVIEW_ON = paraview-dev python3-paraview paraview $(or $(PACKAGES_$(RELEASE)),$(PACKAGES_later))
+PACKAGES_bookworm = libqt5svg5
+PACKAGES_trixie = qt6-svg-plugins libpython3-dev
+PACKAGES_later = $(PACKAGES_trixie) libvtk9-dev
+# PARAVIEW=OFF: with plain VTK, without the plugin.
+PARAVIEW = ON
+PACKAGES_PARAVIEW_OFF = libvtk9-dev python3-vtk9 libpython3-dev
 
 PREFIX = /usr/local
 BUILD = build
@@ -15,13 +24,13 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 PYTHON = /usr/bin/python3 # which has Debian's packages
 
-.PHONY: build configure setup demo gallery check check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
+.PHONY: build configure setup demo gallery check check-debian check-sanitizers fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
 
 build: configure
 	cmake --build $(BUILD)
 
 configure: setup
-	cmake --preset release
+	cmake --preset release -DTREEAMR_BUILD_PARAVIEW_PLUGIN=$(PARAVIEW)
 
 # Does nothing, and asks for no rights, when every package is there.
 setup:
@@ -52,6 +61,12 @@ gallery: configure
 check: build
 	$(XVFB) ctest --test-dir $(BUILD) --parallel 2 --output-on-failure --no-tests=error
 
+# All of it in a fresh root of another Debian: `make check-debian RELEASE=trixie`, bookworm or sid, for the night. ROOTS has
+# them afterwards.
+ROOTS = /var/tmp/treeamr-roots
+check-debian:
+	$(SUDO) Testing/Install/check-debian.sh $(RELEASE) $(ROOTS) PARAVIEW=$(PARAVIEW)
+
 check-sanitizers: setup
 	for sanitizer in asan tsan; do \
 	  cmake --preset $$sanitizer && cmake --build --preset $$sanitizer && $(XVFB) ctest --preset $$sanitizer || exit; \
@@ -60,7 +75,7 @@ check-sanitizers: setup
 # An hour for each target, two at a time; longer or shorter by SECONDS. What is found is in build-fuzz/.
 SECONDS = 3600
 FUZZERS = ForestFuzz DealIIFuzz QuadrantArrayFuzz TextFuzz HexahedraFuzz
-fuzz: PACKAGES += clang libclang-rt-14-dev
+fuzz: PACKAGES += clang libclang-rt-dev
 fuzz: setup
 	cmake --preset fuzz && cmake --build --preset fuzz
 	echo $(FUZZERS) | xargs -n 1 -P 2 sh -c 'export TMPDIR=/dev/shm && mkdir -p build-fuzz/corpus/$$0 && \

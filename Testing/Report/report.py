@@ -23,7 +23,7 @@ import sys
 
 import figures
 
-PACKAGES = ["paraview", "libembree3-3", "libtbb12", "libhwy1", "g++"]
+PACKAGES = ["paraview", "libembree[34]-*", "libtbb12", "libhwy1*", "g++"]  # as dpkg-query takes them
 LISTS = ["volume", "functions", "field", "field_orders", "isosurface", "isosurface_orders", "estimate", "digits"]
 # Suites whose cases tell numbers; of the others a fault is survived or not.
 RECORDING = ("StiffCases", "ExtremeCases", "ExtremeWindows")
@@ -57,9 +57,11 @@ def read_cases(folder):
 def versions():
     found = {}
     for package in PACKAGES:
-        query = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", package], capture_output=True, text=True)
-        if query.returncode == 0:
-            found[package] = query.stdout
+        query = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${Version}\n", package], capture_output=True, text=True)
+        for line in query.stdout.splitlines():
+            name, version = line.split(" ")
+            if version:  # else it is only known of
+                found[name] = version
     source = pathlib.Path(__file__).parent
     commit = subprocess.run(["git", "-C", source, "describe", "--always", "--dirty"], capture_output=True, text=True)
     return {"TreeAMR": commit.stdout.strip() or "unknown", **found, "system": platform.platform()}
