@@ -7,9 +7,11 @@
 #include "vtkBitArray.h"
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkHyperTree.h"
 #include "vtkSmartPointer.h"
 #include "vtkUniformHyperTreeGrid.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkVersionMacros.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,6 +28,18 @@ namespace
 std::array<vtkDataArray*, 3> coordinatesOf(vtkHyperTreeGrid& grid)
 {
   return { grid.GetXCoordinates(), grid.GetYCoordinates(), grid.GetZCoordinates() };
+}
+
+/// Of three dimensions and branch factor 2.
+vtkSmartPointer<vtkHyperTree> newTree()
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+  auto tree = vtkSmartPointer<vtkHyperTree>::New();
+  tree->Initialize(2, 3);
+  return tree;
+#else
+  return vtkSmartPointer<vtkHyperTree>::Take(vtkHyperTree::CreateInstance(2, 3));
+#endif
 }
 
 void checkPlanes(const std::vector<double>& planes, const std::string& axis)
@@ -124,7 +138,7 @@ std::vector<HyperTreeView> collectTrees(vtkHyperTreeGrid& grid)
     tree.GetElderChildIndexArray(count);
     return count * sizeof(unsigned int);
   };
-  const auto fresh = vtkSmartPointer<vtkHyperTree>::Take(vtkHyperTree::CreateInstance(2, 3));
+  const vtkSmartPointer<vtkHyperTree> fresh = newTree();
   const std::size_t overhead = fresh->GetActualMemorySizeBytes() - sizeWithoutTable(*fresh);
 
   const int turned = turnedAxes(grid);

@@ -18,7 +18,7 @@ PLUGIN_XML = sys.argv[1]
 SHOWN = {
     "Input", "Representation", "ColorArrayName", "LookupTable", "AmbientColor", "DiffuseColor",
     "BlockColors", "BlockOpacities", "BlockSelectors", "MultiComponentsMapping",
-    "Position", "Scale", "Orientation", "Origin", "Pickable",
+    scene.TRANSLATION, "Scale", "Orientation", "Origin", "Pickable",
     "Ambient", "Diffuse", "Specular", "SpecularPower", "MapScalars"}
 SHOWN_OF_ISOSURFACES = {"SpecularColor", "Opacity", "Interpolation"}
 
@@ -63,14 +63,14 @@ class TestConventions(scene.TestCase):
                 simple.ResetSession()
                 self.show(kind)
                 plain = self.picture("plain")
-                self.representation.Position = [1, 0.5, 0]
+                setattr(self.representation, scene.TRANSLATION, [1, 0.5, 0])
                 self.representation.Scale = [0.5, 0.5, 0.5]
                 moved = self.picture("moved")
                 simple.ResetCamera(self.view)
                 centre = list(self.view.CameraFocalPoint)
                 scene.look(self.view)
                 close_up = self.picture("close-up")
-                self.representation.Position = [0, 0, 0]
+                setattr(self.representation, scene.TRANSLATION, [0, 0, 0])
                 self.representation.Scale = [1, 1, 1]
                 scene.look(self.view)
                 self.assertTrue(scene.close((plain, self.picture("back"))))

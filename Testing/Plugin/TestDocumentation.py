@@ -1,7 +1,7 @@
 """The documentation beside what it is of: links, files, targets of make, Python programs, and every property of ParaView's panels
 with its names, its default and what it may be.
 
-usage: pvpython TestDocumentation.py PVPYTHON FOLDER
+usage: pvpython TestDocumentation.py PLUGIN-XML PVPYTHON FOLDER
 """
 
 import ast
@@ -19,10 +19,10 @@ import scene
 
 folder = pathlib.Path(sys.argv.pop()).resolve()
 pvpython = sys.argv.pop()
+plugin = ElementTree.parse(sys.argv.pop()).getroot()
 root = pathlib.Path(__file__).resolve().parents[2]
 pages = [root / "README.md", *sorted((root / "Documentation").rglob("*.md"))]
 reference = root / "Documentation/reference"
-plugin = ElementTree.parse(root / "Plugin/TreeAMR.xml").getroot()
 
 # What sets a property from the data, whatever its default_values say.
 DOMAINS_OF_DATA = ("BoundsDomain", "TreeAMRRangeDomain", "ArrayListDomain", "RepresentedArrayListDomain", "ProxyListDomain")
@@ -52,7 +52,10 @@ def in_python(proxy):
     while not iterator.IsAtEnd():
         keys.append(iterator.GetKey())
         iterator.Next()
-    return dict(zip(keys, proxy.ListProperties(), strict=True))
+    names = dict(zip(keys, proxy.ListProperties(), strict=True))
+    if "Translation" in names:
+        names["Translation"] = "Position"  # so called before 5.13, and in the pages
+    return names
 
 
 def is_hidden(element, smproperty):

@@ -2,35 +2,11 @@
 
 import numpy
 from paraview import servermanager, simple
-from paraview.vtk.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkCollection
-from vtkmodules.vtkCommonDataModel import vtkHyperTreeGridNonOrientedGeometryCursor
 
 import scene
 
 ISOVALUE = 6.5
-
-
-def leaf_boxes(grid):
-    """[[xmin, ymin, zmin], [xmax, ymax, zmax]] of the leaves by their place in the cell arrays."""
-    boxes = {}
-
-    def add(cursor):
-        if cursor.IsLeaf():
-            bounds = [0] * 6
-            cursor.GetBounds(bounds)
-            boxes[cursor.GetGlobalNodeIndex()] = numpy.reshape(bounds, (3, 2)).T
-            return
-        for child in range(8):
-            cursor.ToChild(child)
-            add(cursor)
-            cursor.ToParent()
-
-    cursor = vtkHyperTreeGridNonOrientedGeometryCursor()
-    for tree in range(grid.GetMaxNumberOfTrees()):
-        cursor.Initialize(grid, tree, False)
-        add(cursor)
-    return boxes
 
 
 class TestSelection(scene.TestCase):
@@ -44,7 +20,7 @@ class TestSelection(scene.TestCase):
         self.representation.Isovalues = [ISOVALUE]
         scene.look(self.view, (-4, -3, -6))
         simple.Render(self.view)
-        self.boxes = leaf_boxes(servermanager.Fetch(self.source))
+        self.boxes = scene.leaf_boxes(servermanager.Fetch(self.source))
 
     def selected(self):
         """The ids of the source's selection."""
@@ -105,20 +81,17 @@ class TestSelection(scene.TestCase):
         self.assertTrue(polygon < rectangle)
 
     def test_extraction(self):
-        """ParaView 5.11 extracts no cells of hyper tree grids, but marks them for a threshold."""
+        """What is selected is seen."""
         simple.SelectSurfaceCells(Rectangle=[0, 0, 239, 179], View=self.view)
         marked = simple.ExtractSelection(
             Input=self.source, Selection=servermanager._getPyProxy(self.source.GetSelectionInput(0)),
             PreserveTopology=1)
-        inside = vtk_to_numpy(servermanager.Fetch(marked).GetCellData().GetArray("vtkInsidedness"))
-        self.assertEqual(self.selected(), set(numpy.nonzero(inside)[0]))
+        self.assertEqual(self.selected(), scene.extracted(servermanager.Fetch(marked)))
         simple.ClearSelection(self.source)
         surface = scene.drawn(scene.picture(self.view, "selection-surface"))
         self.assertTrue(surface.any())
         simple.Hide(self.source, self.view)
-        threshold = simple.Threshold(
-            Input=marked, Scalars=["CELLS", "vtkInsidedness"], LowerThreshold=1, UpperThreshold=1)
-        simple.Show(threshold, self.view).SetRepresentationType("Surface")
+        simple.Show(scene.extracted_alone(marked), self.view).SetRepresentationType("Surface")
         cells = scene.drawn(scene.picture(self.view, "selection-cells"))
         self.assertTrue(cells[surface].all())
         self.assertFalse(cells.all())
@@ -139,9 +112,7 @@ self.GetOutputDataObject(0).SetBlock(2, self.GetInputDataObject(0, 0))
         ids = selection.Input[0].IDs
         self.assertEqual({3}, set(ids[::3]))
         marked = simple.ExtractSelection(Input=blocks, Selection=selection, PreserveTopology=1)
-        grid = servermanager.Fetch(marked).GetBlock(2)
-        inside = vtk_to_numpy(grid.GetCellData().GetArray("vtkInsidedness"))
-        self.assertEqual(set(ids[2::3]), set(numpy.nonzero(inside)[0]))
+        self.assertEqual(set(ids[2::3]), scene.extracted(servermanager.Fetch(marked).GetBlock(2)))
 
     def test_no_points(self):
         representations, selections = vtkCollection(), vtkCollection()

@@ -91,9 +91,7 @@ assert set(processes) == set(range(servermanager.ActiveConnection.GetNumberOfDat
 assert len(set(zip(processes, cells))) == len(cells) > 1000
 # They are where the surface is seen.
 marked = simple.ExtractSelection(Input=source, Selection=selection, PreserveTopology=1)
-threshold = simple.Threshold(
-    Input=marked, Scalars=["CELLS", "vtkInsidedness"], LowerThreshold=1, UpperThreshold=1)
 simple.Hide(source, view)
-simple.Show(threshold, view).SetRepresentationType("Surface")
+simple.Show(scene.extracted_alone(marked), view).SetRepresentationType("Surface")
 simple.Render(view)
 assert scene.drawn(scene.shown(view.GetRenderWindow()))[surface].all()

@@ -236,9 +236,9 @@ grid.GetCellData().AddArray(array)
     def test_moved(self):
         self.show()
         image = self.picture("still")
-        self.representation.Position = [0, 0, 1000]
+        setattr(self.representation, scene.TRANSLATION, [0, 0, 1000])
         self.assertFalse(scene.drawn(self.picture("away")).any())
-        self.representation.Position = [0, 0, 0]
+        setattr(self.representation, scene.TRANSLATION, [0, 0, 0])
         self.assertTrue(scene.close((image, self.picture("back"))))
 
     def test_changed_input(self):

@@ -10,11 +10,16 @@ import unittest
 import numpy
 from paraview import servermanager, simple
 from paraview.vtk.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkHyperTreeGridNonOrientedGeometryCursor
 from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkFeatureEdges
 from vtkmodules.vtkIOImage import vtkPNGReader
 from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 
 BACKGROUND = (0, 0, 0)
+
+PARAVIEW = (servermanager.vtkSMProxyManager.GetVersionMajor(), servermanager.vtkSMProxyManager.GetVersionMinor())
+# The property of displays that moves their data.
+TRANSLATION = "Translation" if PARAVIEW >= (5, 13) else "Position"
 
 
 class TestCase(unittest.TestCase):
@@ -125,6 +130,43 @@ def open_edges(source, low, high):
         inside += not any(
             bounds[2 * a] == bounds[2 * a + 1] and bounds[2 * a] in (low, high) for a in range(3))
     return clean.GetOutput().GetNumberOfPoints(), edges.GetOutput().GetNumberOfCells(), inside
+
+
+def leaf_boxes(grid):
+    """[[xmin, ymin, zmin], [xmax, ymax, zmax]] of the leaves by their place in the cell arrays."""
+    boxes = {}
+
+    def add(cursor):
+        if cursor.IsLeaf():
+            bounds = [0] * 6
+            cursor.GetBounds(bounds)
+            boxes[cursor.GetGlobalNodeIndex()] = numpy.reshape(bounds, (3, 2)).T
+            return
+        for child in range(8):
+            cursor.ToChild(child)
+            add(cursor)
+            cursor.ToParent()
+
+    cursor = vtkHyperTreeGridNonOrientedGeometryCursor()
+    for tree in range(grid.GetMaxNumberOfTrees()):
+        cursor.Initialize(grid, tree, False)
+        add(cursor)
+    return boxes
+
+
+def extracted(grid):
+    """The leaves that Extract Selection gives. Before ParaView 5.13 it marks them; since then all others are masked."""
+    if PARAVIEW < (5, 13):
+        return set(numpy.nonzero(vtk_to_numpy(grid.GetCellData().GetArray("vtkInsidedness")))[0])
+    return {cell for cell in leaf_boxes(grid) if not grid.GetMask().GetValue(cell)}
+
+
+def extracted_alone(marked):
+    """What shows the cells that Extract Selection gives, and no others."""
+    if PARAVIEW < (5, 13):
+        return simple.Threshold(
+            Input=marked, Scalars=["CELLS", "vtkInsidedness"], LowerThreshold=1, UpperThreshold=1)
+    return marked
 
 
 def array(image):
