@@ -4,6 +4,7 @@
 # Before 1.0 a new minor version may break what was linked to the one before.
 string(REGEX MATCH "^[0-9]+[.][0-9]+" TREEAMR_SOVERSION "${TREEAMR_VERSION}")
 
+include(CMake/TreeAMRPrecompiledHeaders.cmake)
 add_subdirectory(Core)
 if (TREEAMR_CORE_ONLY)
   return ()

@@ -57,12 +57,14 @@ std::vector<FieldPtr> fields()
   return result;
 }
 
-std::vector<TransferFunction> functions()
+const std::vector<TransferFunction>& functions()
 {
-  return { TransferFunction(-1., 1., { { 0.9f, 0.2f, 0.1f, 0.f }, { 0.2f, 0.5f, 0.9f, 2.f } }),
+  static const std::vector<TransferFunction> all{ TransferFunction(-1., 1.,
+                                                    { { 0.9f, 0.2f, 0.1f, 0.f }, { 0.2f, 0.5f, 0.9f, 2.f } }),
     TransferFunction(-1., 1., { { 0.1f, 0.9f, 0.1f, 1.f }, { 0.9f, 0.9f, 0.2f, 0.f } }),
     TransferFunction(-1., 1., { { 0.f, 0.f, 1.f, 0.f }, { 1.f, 1.f, 1.f, 3.f } }),
     TransferFunction(1800., 4300., { { 0.9f, 0.1f, 0.2f, 0.2f }, { 0.2f, 0.8f, 0.1f, 0.9f } }) };
+  return all;
 }
 
 /// Light that points of a field emit, and their extinction.

@@ -51,6 +51,9 @@ def read_cases(folder):
                     "name": f"{suite['name']}.{case['name']}",
                     "passed": case["result"] == "COMPLETED" and "failures" not in case,
                     "measured": case.get("measured", ""), "allowed": case.get("allowed", "")})
+    for log in sorted(folder.glob("*.log")):
+        if not log.with_suffix(".json").exists():
+            cases.append({"name": log.stem, "passed": False, "measured": "ended before its last case", "allowed": ""})
     return cases
 
 

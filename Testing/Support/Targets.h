@@ -16,9 +16,8 @@ void forEachTarget(const F& f)
 {
   std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
 #ifdef __SANITIZE_THREAD__
-  // Threads meet in the same places whatever the instructions are: the two best sets stand for all.
-  const std::int64_t others = targets & (targets - 1);
-  targets = (targets & -targets) | (others & -others);
+  // Threads meet in the same places whatever the instructions are: the best set stands for all.
+  targets &= -targets;
 #endif
   for (; targets != 0; targets &= targets - 1)
   {
