@@ -18,6 +18,7 @@ endfunction ()
 # files in the folder, if there is none with .so, becomes the path of what is there.
 function (treeamr_renamed_module variable folder module)
   set(${variable} "" PARENT_SCOPE)
+  set(prefix "")
   set(above "${folder}")
   while (NOT above STREQUAL prefix)
     set(prefix "${above}")
@@ -41,6 +42,9 @@ endfunction ()
 # leaves alone, so corrected copies of the files that make them are included before it.
 function (treeamr_define_python_targets package)
   treeamr_package_folder(folder ${package})
+  if (NOT folder)
+    return ()
+  endif ()
   # ParaView's own VTK, which is in a folder of its, comes first.
   file(GLOB vtk "${folder}/vtk/*Python*-targets.cmake")
   file(GLOB files "${folder}/*Python*-targets.cmake")
