@@ -6,7 +6,12 @@
 #include "vtkMatrix3x3.h"
 #include "vtkOverlappingAMR.h"
 #include "vtkUniformGrid.h"
+#include "vtkVersionMacros.h"
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+#include "vtkUniformGridAMRIterator.h"
+#else
 #include "vtkUniformGridAMRDataIterator.h"
+#endif
 #include "vtkUnsignedCharArray.h"
 
 #include <algorithm>
@@ -19,6 +24,13 @@ namespace treeamr
 
 namespace
 {
+
+/// What vtkOverlappingAMR::NewIterator() makes.
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+using BlockIterator = vtkUniformGridAMRIterator;
+#else
+using BlockIterator = vtkUniformGridAMRDataIterator;
+#endif
 
 /// Relative, to which widths are compared: coordinates of six digits and a fine block a few cells wide.
 constexpr double alike = 1e-3;
@@ -182,8 +194,7 @@ AMRBlock::Range AMRBlock::ownCells() const
 std::vector<AMRBlock> blocksOf(vtkOverlappingAMR* input)
 {
   std::vector<AMRBlock> blocks;
-  const auto iterator =
-    vtk::TakeSmartPointer(vtkUniformGridAMRDataIterator::SafeDownCast(input->NewIterator()));
+  const auto iterator = vtk::TakeSmartPointer(BlockIterator::SafeDownCast(input->NewIterator()));
   for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
   {
     const std::string name = "level " + std::to_string(iterator->GetCurrentLevel()) + ", block " +
