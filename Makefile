@@ -24,7 +24,7 @@ SUDO = $(if $(filter-out 0,$(shell id -u)),sudo)
 XVFB = xvfb-run --auto-servernum --server-args="-screen 0 1600x1200x24 -noreset"
 PYTHON = /usr/bin/python3 # which has Debian's packages
 
-.PHONY: build configure setup demo gallery check check-debian check-sanitizers check-sanitizers-whole fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
+.PHONY: build configure setup demo docs gallery check check-debian check-sanitizers check-sanitizers-whole fuzz bench bench-vs bench-ranks bench-pieces compare-frames report report-brief package install clean
 
 build: configure
 	cmake --build $(BUILD)
@@ -52,6 +52,11 @@ demo: configure
 	. $(BUILD)/env.sh && $(XVFB) pvpython --force-offscreen-rendering Testing/Demo/demo.py $(BUILD)/demo/mandelbulb.p8est
 	@echo "Pictures are in $(BUILD)/demo. Next, for the same in ParaView (Apply, then Tree AMR Volume instead of Surface):"
 	@echo "  . $(BUILD)/env.sh && paraview $(BUILD)/demo/mandelbulb.p8est"
+
+# API pages of the public headers in build/docs/html; what is not documented is an error.
+docs: PACKAGES += doxygen
+docs: configure
+	cmake --build $(BUILD) --target docs
 
 # The pictures of Documentation/gallery.md, and a page of them.
 gallery: configure

@@ -29,14 +29,15 @@ namespace treeamr
 /// A cell array by name. component < 0: the magnitude; of a scalar array the value itself.
 struct ArraySelection
 {
-  std::string name;
-  int component = -1;
+  std::string name;   // of a cell array
+  int component = -1; // from 0 on
 };
 
 /// No cell has a value of an array that a float can hold.
 class VTKTREEAMRREADER_EXPORT NoFiniteValue : public Error
 {
 public:
+  /// message: names the array.
   NoFiniteValue(const std::string& message, bool isNaN)
     : Error(message)
     , isNaN(isNaN)

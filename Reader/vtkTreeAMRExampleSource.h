@@ -30,6 +30,7 @@ public:
   vtkTypeMacro(vtkTreeAMRExampleSource, vtkHyperTreeGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /// What the class description has by these names.
   enum DatasetType
   {
     SYNTHETIC = 0,

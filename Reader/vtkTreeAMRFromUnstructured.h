@@ -55,6 +55,7 @@ public:
   vtkBooleanMacro(SelectionIsFinal, bool);
   ///@}
 
+  /// Changes with the selection, too.
   vtkMTimeType GetMTime() override;
 
 protected:

@@ -56,8 +56,13 @@ public:
   vtkTypeMacro(vtkTreeAMRP4estReader, vtkHyperTreeGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  ///@{
+  /**
+   * The forest, or NAME.info of a checkpoint.
+   */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);
+  ///@}
 
   ///@{
   /**

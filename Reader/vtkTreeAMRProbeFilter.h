@@ -58,6 +58,7 @@ public:
   vtkHyperTreeGrid* GetSource();
   ///@}
 
+  /// As treeamr::InterpolationMethod (Sampler.h).
   enum InterpolationMethodType
   {
     NEAREST = 0,

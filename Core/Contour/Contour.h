@@ -25,8 +25,8 @@ struct ContourMesh
   struct Block
   {
     std::array<Coord, 3> index{}; // on the lattice of its depth
-    int depth = 0;
-    std::int64_t firstPoint = 0;
+    int depth = 0;                // from the octree's padded root
+    std::int64_t firstPoint = 0;  // in the mesh's points
   };
 
   std::vector<std::array<double, 3>> points;          // world coordinates
@@ -36,9 +36,10 @@ struct ContourMesh
   std::optional<Identity> octree;                     // whose nodes the blocks are
 };
 
+/// What contour() makes, and how it can be followed.
 struct ContourOptions
 {
-  bool gradients = false;
+  bool gradients = false; // whether the mesh has them
   /// The part of one of many processes, which holds what FieldSupport.h says: the parts of boxes that fill the domain make the
   /// surface, each triangle once, with the same points, bit for bit. None: all of it.
   std::optional<LatticeBox> box = {};

@@ -25,6 +25,7 @@ class CornerValues;
 /// The values at the corners of a leaf, numbered as in Octant.h. Called once for each, from several threads.
 using CornerSource = std::function<std::array<float, 8>(std::uint64_t leaf)>;
 
+/// A scalar for each leaf of an octree. Never changes, so any number of threads may read it.
 class Field
 {
 public:
@@ -48,12 +49,17 @@ public:
   static Field ofCorners(
     std::shared_ptr<const Octree> octree, const CornerSource& corners, double offset = 0.);
 
+  /// Tells fields apart; copies have the same.
   const Identity& identity() const noexcept { return identity_; }
+  ///@{
+  /// That the values are of.
   const Octree& octree() const noexcept { return *octree_; }
   const std::shared_ptr<const Octree>& sharedOctree() const noexcept { return octree_; }
+  ///@}
 
   /// The leaf's value or the inner node's mean.
   double value(NodeRef node) const noexcept { return offset_ + relative(node); }
+  /// What the stored values are less.
   double offset() const noexcept { return offset_; }
   /// value() less offset().
   double relative(NodeRef node) const noexcept
@@ -64,6 +70,7 @@ public:
   const LargeVector<float>& leafValues() const noexcept { return values_; }
   /// The inner nodes' relative means less meanBase().
   const LargeVector<float>& innerMeans() const noexcept { return means_; }
+  /// What the stored means are less besides, where all values are of one size.
   double meanBase() const noexcept { return meanBase_; }
 
   /// Relative; null: the values are those at centres.

@@ -20,6 +20,7 @@ class Field;
 class NodeRanges
 {
 public:
+  /// Of all inner nodes.
   explicit NodeRanges(const Field& field);
 
   /// A range around the GTI reconstruction inside an inner node. parent: that of its parent, of the octree's root

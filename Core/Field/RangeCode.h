@@ -10,12 +10,14 @@
 namespace treeamr
 {
 
+/// Of values, both ends included.
 struct Range
 {
-  float min;
-  float max;
+  float min; // the least value
+  float max; // the largest one
 };
 
+/// Two bytes for a range within another one, the parent's.
 class RangeCode
 {
 public:
@@ -53,6 +55,7 @@ public:
     upper_ = static_cast<std::uint8_t>(upper);
   }
 
+  /// Around the exact range, within the parent's.
   Range decode(Range parent) const noexcept { return { position(lower_, parent), position(upper_, parent) }; }
 
 private:

@@ -11,12 +11,17 @@
 namespace treeamr
 {
 
+/// Linear red, green, blue and extinction for each value; of values less the field's offset.
 class TransferFunction
 {
 public:
+  /// Of one value.
   struct Entry
   {
-    float r, g, b;    // not premultiplied
+    ///@{
+    /// Linear, 0 to 1, not premultiplied.
+    float r, g, b;
+    ///@}
     float extinction; // per unit of world length
 
     bool operator==(const Entry&) const = default;
@@ -29,9 +34,9 @@ public:
   /// `above`.
   struct Node
   {
-    double value;
-    Entry below;
-    Entry above;
+    double value; // where it is
+    Entry below;  // what the function comes to
+    Entry above;  // what it starts from
   };
   /// Linear from node to node, constant beyond the ends: `below` of the first, `above` of the last. nodes: one or
   /// more, values finite and increasing; throws Error for others, and for entries as above.
@@ -51,6 +56,7 @@ public:
   /// Extinction per world length of a volume whose opacity over `unitDistance` is `opacity`.
   static float extinctionFromOpacity(double opacity, double unitDistance) noexcept;
 
+  /// The value of the first entry or node.
   double min() const noexcept { return min_; }
   /// Entries per unit of value.
   double scale() const noexcept { return scale_; }
@@ -58,6 +64,7 @@ public:
   const std::vector<Entry>& entries() const noexcept { return entries_; }
   /// Of a function of nodes; else empty.
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
+  /// Whether ofCategories() made it.
   bool hasCategories() const noexcept { return reach_ == 1; }
 
   /// Of a value in the table, 0 to entries - 1.
@@ -66,6 +73,7 @@ public:
     const double p = (value - min_) * scale_;
     return p > 0. ? std::min(p, last_) : 0.;
   }
+  /// Of a value: what is linear between entries or nodes, of categories the value's own.
   Entry at(float value) const noexcept;
   /// Of the entries.
   Entry atPosition(double position) const noexcept;

@@ -6,12 +6,14 @@
 namespace treeamr
 {
 
+/// From the lowest to the highest corner, faces included.
 struct Bounds
 {
-  Vec3 min{};
-  Vec3 max{};
+  Vec3 min{}; // x, y, z
+  Vec3 max{}; // not below min
 };
 
+/// Its length.
 inline double diagonalOf(const Bounds& box) noexcept
 {
   const Vec3 d{ box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2] };

@@ -15,10 +15,11 @@ using Matrix4 = std::array<double, 16>;
 /// A ray in data coordinates; t counts world length from the origin.
 struct Ray
 {
-  Vec3 origin;
-  Vec3 direction;
+  Vec3 origin;    // where t is 0
+  Vec3 direction; // of unit length in the world, where a Camera made the ray
 };
 
+/// In the ray's coordinates.
 inline Vec3 pointAt(const Ray& ray, double t) noexcept
 {
   return { ray.origin[0] + t * ray.direction[0], ray.origin[1] + t * ray.direction[1],
@@ -30,14 +31,17 @@ struct PixelFan
 {
   Vec3 direction; // of pixel (0, 0), in data coordinates; of unit world length in the image's middle
   Vec3 perX;      // its change from pixel to pixel
-  Vec3 perY;
-  // 1 / t at window depth z: inverseT + x * inverseTPerX + y * inverseTPerY + z * inverseTPerDepth.
+  Vec3 perY;      // and from row to row
+  ///@{
+  /// 1 / t at window depth z: inverseT + x * inverseTPerX + y * inverseTPerY + z * inverseTPerDepth.
   double inverseT;
   double inverseTPerX;
   double inverseTPerY;
   double inverseTPerDepth;
+  ///@}
 };
 
+/// Perspective or parallel, by any projection that a matrix can be: off-axis, mirrored, of a sheared prop.
 class Camera
 {
 public:
@@ -48,8 +52,12 @@ public:
   /// Lengths along rays are those of data coordinates.
   Camera(const Matrix4& clipFromData, int width, int height);
 
+  ///@{
+  /// In pixels.
   int width() const noexcept { return width_; }
   int height() const noexcept { return height_; }
+  ///@}
+  /// Whether all rays start from one point, the eye.
   bool isPerspective() const noexcept { return perspective_; }
   /// Projection centre in data coordinates; perspective only.
   const Vec3& eye() const noexcept { return eye_; }
@@ -58,9 +66,12 @@ public:
   Ray ray(int x, int y) const noexcept;
   /// Perspective only.
   PixelFan fan() const noexcept;
+  ///@{
+  /// The constructor's matrices, and the inverse of the first.
   const Matrix4& worldFromData() const noexcept { return worldFromData_; }
   const Matrix4& clipFromData() const noexcept { return clipFromData_; }
   const Matrix4& dataFromClip() const noexcept { return dataFromClip_; }
+  ///@}
   /// The sign that turns directions from the eye to points in front of it; perspective only.
   double forward() const noexcept { return forward_; }
   /// t at a window depth in [0, 1] (0 = near plane) along the ray.

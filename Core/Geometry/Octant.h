@@ -11,6 +11,7 @@ namespace treeamr
 /// Cell (or plane) index along one axis on the lattice of one level.
 using Coord = std::int64_t;
 
+/// 0: the lower side along an axis (0 to 2), 1: the upper one.
 constexpr int sideOf(int octant, int axis) noexcept
 {
   return octant >> axis & 1;

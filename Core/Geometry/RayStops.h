@@ -20,8 +20,8 @@ namespace treeamr
 /// Points p of data coordinates with normal . p >= offset.
 struct HalfSpace
 {
-  Vec3 normal; // of any length; 0 has all points or, with a positive offset, none
-  double offset;
+  Vec3 normal;   // of any length; 0 has all points or, with a positive offset, none
+  double offset; // along the normal, times its length
 
   bool operator==(const HalfSpace&) const = default;
 };
@@ -34,6 +34,7 @@ struct CroppingRegions
   /// Bit x + 3 y + 9 z; 0 is below the lower plane, 1 between the two, 2 above the upper one.
   std::uint32_t shown;
 
+  /// Of data coordinates; a point in a plane is not between the two.
   bool shows(const Vec3& point) const noexcept;
   bool operator==(const CroppingRegions&) const = default;
 };
@@ -49,8 +50,8 @@ struct TranslucentHit
 /// hits[first[p]] up to hits[first[p + 1]]. Does not own them.
 struct TranslucentHits
 {
-  std::span<const std::size_t> first;
-  std::span<const TranslucentHit> hits;
+  std::span<const std::size_t> first;   // width * height + 1 places
+  std::span<const TranslucentHit> hits; // of all pixels, one after the other
 };
 
 /// The drawn parts of one ray: half-open intervals of t, ascending, apart from each other, none of them empty.
@@ -58,10 +59,11 @@ struct RayParts
 {
   /// A ray crosses six cropping planes at most, and every other one of its seven parts is shown.
   static constexpr int most = 4;
-  int count = 0;
-  std::array<double, most> begin;
-  std::array<double, most> end;
+  int count = 0;                  // of parts, 0 to most
+  std::array<double, most> begin; // t of each part
+  std::array<double, most> end;   // likewise
 
+  /// One more, behind the others.
   void add(double from, double to) noexcept
   {
     begin[count] = from;
@@ -72,9 +74,10 @@ struct RayParts
 /// What is drawn of data coordinates: what is in all half spaces and in a shown region.
 struct DataCut
 {
-  std::vector<HalfSpace> halfSpaces;
-  std::optional<CroppingRegions> cropping;
+  std::vector<HalfSpace> halfSpaces;       // of clipping planes; none: all of space
+  std::optional<CroppingRegions> cropping; // none: all regions
 
+  /// Whether nothing is cut away.
   bool isEmpty() const noexcept { return halfSpaces.empty() && !cropping; }
   /// Draws what is in the box alone.
   void addBox(const Bounds& box);
@@ -90,8 +93,8 @@ struct RayStops
   /// The part of each ray in window depths [0, 1]: nothing where begin >= end. Null stands for 0 or 1 everywhere;
   /// else width * height entries, lower left first. Not owned.
   const float* beginDepth = nullptr;
-  const float* endDepth = nullptr;
-  DataCut cut;
+  const float* endDepth = nullptr; // as beginDepth
+  DataCut cut;                     // in data coordinates
   /// Surfaces in the volume, shown whether or not it is cut away around them: who makes the hits has cut them already.
   /// A ray has those from its begin depth up to, but without, its end depth.
   std::optional<TranslucentHits> hits;

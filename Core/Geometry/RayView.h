@@ -16,15 +16,16 @@ class Progress;
 /// own them.
 struct RayView
 {
+  /// All of them must outlive the view. progress: null for nobody.
   RayView(const Camera& camera, const RayStops& stops = noStops, Progress* progress = nullptr) noexcept
     : camera(camera)
     , stops(stops)
     , progress(progress)
   {
   }
-  const Camera& camera;
-  const RayStops& stops;
-  Progress* progress;
+  const Camera& camera;  // whose pixels are rendered
+  const RayStops& stops; // on its rays
+  Progress* progress;    // null: nobody's
 };
 
 } // namespace treeamr

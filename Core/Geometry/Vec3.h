@@ -8,13 +8,16 @@
 namespace treeamr
 {
 
+/// x, y and z of a point, a direction or a normal.
 using Vec3 = std::array<double, 3>;
 
+/// By the right-hand rule.
 inline Vec3 cross(const Vec3& a, const Vec3& b) noexcept
 {
   return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
 }
 
+/// The sum of the products, axis by axis.
 inline double dot(const Vec3& a, const Vec3& b) noexcept
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -18,21 +18,24 @@
 namespace treeamr
 {
 
+/// Between cells' centres, as described above.
 enum class InterpolationMethod
 {
-  Nearest,
-  Current,
+  Nearest, // discontinuous
+  Current, // discontinuous where levels meet, as Finest
   Finest,
-  Octant,
-  GTI
+  Octant, // continuous
+  GTI     // continuous, and exact for trilinear fields
 };
 
+/// Of the field at a point.
 struct FieldSample
 {
-  double value = 0.;
+  double value = 0.;                // in the field's unit
   std::array<double, 3> gradient{}; // d value / d world coordinate
 };
 
+/// One of the methods for one field, which it keeps.
 class Sampler
 {
 public:

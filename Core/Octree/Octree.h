@@ -17,26 +17,36 @@
 namespace treeamr
 {
 
+/// Which nodes there are, and which of them are leaves. Made by buildOctree(); never changes.
 class Octree
 {
 public:
-  static constexpr int maxDepth = 61;
+  static constexpr int maxDepth = 61; // of a leaf
+  /// Of the inner nodes' children.
   using Table = ChildTable<std::uint16_t, 12>;
 
+  /// Where it lies in the world.
   const RootGrid& grid() const noexcept { return grid_; }
+  /// Tells octrees apart.
   const Identity& identity() const noexcept { return identity_; }
+  ///@{
+  /// Nodes of each kind.
   std::uint64_t leafCount() const noexcept { return leafCount_; }
   std::uint64_t innerCount() const noexcept { return table_.size(); }
+  ///@}
   /// Deepest leaf's level; 0 when every root is a leaf.
   int leafLevels() const noexcept { return leafLevels_; }
   /// Inner nodes are in breadth-first order: those of a depth, from firstInner(depth) up to
   /// firstInner(depth + 1), 0 <= depth < innerDepths().
   int innerDepths() const noexcept { return static_cast<int>(firstInner_.size()) - 1; }
+  /// The first inner node of a depth.
   std::uint64_t firstInner(int depth) const noexcept { return firstInner_[depth]; }
   /// None for an octree without cells.
   NodeRef root() const noexcept { return root_; }
 
+  /// Which octants of an inner node there are, and the first ones' indices.
   using Children = treeamr::Children;
+  /// Of an inner node, by its index.
   Children children(std::uint64_t inner) const noexcept { return table_.children(inner); }
   /// Announces that the children of an inner node will be asked for.
   void prefetchChildren(std::uint64_t inner) const noexcept { table_.prefetch(inner); }
@@ -49,6 +59,7 @@ public:
 
   /// Leaves that another process owns: they take part in the reconstruction and are not drawn.
   bool hasGhosts() const noexcept { return !ghosts_.empty(); }
+  /// Whether a leaf, by its index, is one of these.
   bool isGhost(std::uint64_t leaf) const noexcept
   {
     return hasGhosts() && (ghosts_[leaf >> 6] >> (leaf & 63) & 1);

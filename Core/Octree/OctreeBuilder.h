@@ -24,14 +24,15 @@ namespace treeamr
 /// One cell of an unsorted list.
 struct LeafCell
 {
-  CellId cell;
-  float value = 0.f;
+  CellId cell;       // where it is
+  float value = 0.f; // finite
 };
 
+/// What a Field is made of.
 struct OctreeAndValues
 {
-  std::shared_ptr<const Octree> octree;
-  LargeVector<float> values; // of leaf i
+  std::shared_ptr<const Octree> octree; // never null
+  LargeVector<float> values;            // of leaf i
 };
 
 /// Builds the topology and gathers the leaves' values on the way. Throws Error.

@@ -17,10 +17,11 @@ namespace treeamr
 /// A cell: its level (0 = a root) and its index on that level's lattice.
 struct CellId
 {
-  std::array<Coord, 3> index{};
-  int level = 0;
+  std::array<Coord, 3> index{}; // x, y, z, from 0 on
+  int level = 0;                // 0 to RootGrid::maxLevel()
 };
 
+/// Where the trees of an octree are, in the world. Never changes.
 class RootGrid
 {
 public:
@@ -32,6 +33,7 @@ public:
   static RootGrid uniform(
     std::array<int, 3> roots, std::array<double, 3> origin, std::array<double, 3> rootSize);
 
+  /// Along each axis.
   const std::array<int, 3>& roots() const noexcept { return roots_; }
   /// Whether the roots are equal boxes, to the rounding of their planes.
   bool isUniform() const noexcept;
@@ -47,9 +49,11 @@ public:
   void worldPlanes(int axis, Coord first, int level, int count, double* planes) const noexcept;
   /// Planes of a node at an octree depth; above the roots they are clamped to the domain.
   double nodePlane(int axis, Coord index, int depth) const noexcept;
+  /// By these planes.
   Bounds nodeBounds(const std::array<Coord, 3>& index, int depth) const noexcept;
   /// Lattice coordinate in units of roots, in [0, N]; NaN outside the closed domain.
   double latticeCoordinate(int axis, double world) const noexcept;
+  /// Of all roots.
   Bounds bounds() const noexcept;
 
 private:

@@ -12,12 +12,13 @@ namespace treeamr
 /// The cells of a level from begin up to, but without, end along each axis.
 struct LatticeBox
 {
-  int level = 0;
-  std::array<Coord, 3> begin{};
-  std::array<Coord, 3> end{};
+  int level = 0;                // whose lattice it is, 0: that of the roots
+  std::array<Coord, 3> begin{}; // x, y, z
+  std::array<Coord, 3> end{};   // x, y, z
 
   bool operator==(const LatticeBox&) const = default;
 
+  /// Whether it has no cell.
   bool isEmpty() const noexcept { return begin[0] >= end[0] || begin[1] >= end[1] || begin[2] >= end[2]; }
   /// Whether they have a volume in common.
   bool meets(const CellId& cell) const noexcept

@@ -16,9 +16,10 @@
 namespace treeamr
 {
 
+/// Where a ray meets a surface.
 struct SurfaceHit
 {
-  double t;
+  double t;      // along the ray, as its maker counts
   Vec3 gradient; // of the field, d value / d data coordinate
   /// To shade by, in data coordinates: unit length, towards higher values, to the second order the normal of the
   /// surface that the field approximates, and continuous across all levels (BlockGradients.h). 0 where that vanishes
@@ -26,48 +27,52 @@ struct SurfaceHit
   std::array<float, 3> normal;
   std::uint32_t surface; // which of Isosurface::isovalues()
   std::uint32_t block;   // where Isosurface::cell() finds the cell
-  std::uint8_t octant;
+  std::uint8_t octant;   // of the block
 };
 
 /// Hits of each pixel's ray, nearest first: those of pixel p = x + width * y, lower left first, are
 /// hits[first[p]] up to hits[first[p + 1]].
 struct HitImage
 {
-  LargeVector<std::size_t> first;
-  LargeVector<SurfaceHit> hits;
+  LargeVector<std::size_t> first; // width * height + 1 places
+  LargeVector<SurfaceHit> hits;   // of all pixels, one after the other
 };
 
 /// Throws Error, on behalf of `user`, when the hits are not those of a picture of the camera's size.
 void checkPixels(const HitImage& hits, const Camera& camera, const char* user);
 
+/// Which hits of a ray an image has.
 enum class SurfaceLayers
 {
   Nearest, // one hit per pixel at most
-  All
+  All      // nearest first
 };
 
+/// What hits are to be shaded by.
 enum class SurfaceNormals
 {
-  Smooth,
-  None // those of the gradients do
+  Smooth, // SurfaceHit::normal
+  None    // those of the gradients do
 };
 
+/// What there is of surfaces, and what making them took.
 struct IsosurfaceStatistics
 {
-  std::size_t blocks = 0; // inner nodes that a surface may pass through
-  std::size_t blockBytes = 0;
+  std::size_t blocks = 0;         // inner nodes that a surface may pass through
+  std::size_t blockBytes = 0;     // of their list
   std::size_t hierarchyBytes = 0; // Embree's, and for layers one more
   std::size_t keptBytes = 0;      // of vertex values
   std::size_t gradientBytes = 0;  // of vertex gradients
   double extractionSeconds = 0.;  // of wall time
-  double hierarchySeconds = 0.;
+  double hierarchySeconds = 0.;   // the same, of the hierarchy
 };
 
+/// The surfaces of some isovalues of a field, which it keeps, to be met by rays.
 class Isosurface
 {
 public:
-  static constexpr std::size_t defaultKeptBytes = treeamr::defaultKeptBytes;
-  static constexpr int allCellDepths = Octree::maxDepth;
+  static constexpr std::size_t defaultKeptBytes = treeamr::defaultKeptBytes; // 512 MiB
+  static constexpr int allCellDepths = Octree::maxDepth;                     // no level of detail
 
   /// Finds the nodes that the surfaces of the isovalues may pass through and builds Embree's hierarchy over
   /// them. Vertex values are computed where rays come and kept within keptBytes; gradients where normals are asked for,
@@ -83,6 +88,7 @@ public:
 
   /// Ascending, each once.
   const std::vector<double>& isovalues() const noexcept;
+  /// As they are now: values are kept while rays come.
   IsosurfaceStatistics statistics() const;
   /// Octants that a surface passes through. The first call takes a while: it looks at all of them. As
   /// startFrame(), while no thread queries.

@@ -10,13 +10,13 @@
 namespace treeamr
 {
 
-/// Colours include their coefficient.
+/// Colours (red, green, blue) include their coefficient.
 struct Material
 {
-  std::array<float, 3> ambient{};
-  std::array<float, 3> diffuse{};
-  std::array<float, 3> specular{};
-  float specularPower = 1.f;
+  std::array<float, 3> ambient{};  // of light from nowhere
+  std::array<float, 3> diffuse{};  // whatever the eye's place
+  std::array<float, 3> specular{}; // of highlights
+  float specularPower = 1.f;       // larger ones make highlights smaller
 };
 
 /// Whether it has highlights.

@@ -10,6 +10,7 @@
 namespace treeamr
 {
 
+/// Of a prop's matrix.
 class SurfaceFrame
 {
 public:
@@ -26,11 +27,13 @@ public:
 
   /// Rows of the matrix that takes gradients to normals, up to the determinant.
   const std::array<Vec3, 3>& cofactors() const noexcept { return cofactors_; }
+  /// Of a point in data coordinates.
   Vec3 worldPoint(const Vec3& p) const noexcept
   {
     const Vec3 v = worldVector(p);
     return { v[0] + matrix_[3], v[1] + matrix_[7], v[2] + matrix_[11] };
   }
+  /// Of a difference of such points.
   Vec3 worldVector(const Vec3& v) const noexcept
   {
     Vec3 w;
@@ -40,6 +43,7 @@ public:
     }
     return w;
   }
+  /// The inverse of worldVector().
   Vec3 dataVector(const Vec3& v) const noexcept
   {
     Vec3 w;

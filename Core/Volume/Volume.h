@@ -25,10 +25,10 @@ struct VolumeKernelScene;
 /// 4 x 4 neighbouring pixels.
 struct PixelGroup
 {
-  static constexpr int width = 4;
-  static constexpr int rgbaSize = 4 * width * width;
-  int x; // of the lower left pixel, a multiple of width
-  int y;
+  static constexpr int width = 4;                    // in pixels
+  static constexpr int rgbaSize = 4 * width * width; // floats that they have
+  int x;                                             // of the lower left pixel, a multiple of width
+  int y;                                             // likewise
 };
 
 /// A field seen through a transfer function, and what its frames have in common: the function's table, and vertex
@@ -43,20 +43,26 @@ public:
   Volume(std::shared_ptr<const Field> field, TransferFunction transferFunction,
     std::size_t keptBytes = defaultKeptBytes);
   ~Volume();
+  ///@{
+  /// With all that it has kept.
   Volume(Volume&&) noexcept;
   Volume& operator=(Volume&&) noexcept;
+  ///@}
 
+  ///@{
+  /// What is drawn.
   const Field& field() const noexcept { return *field_; }
   const TransferFunction& transferFunction() const noexcept { return transferFunction_; }
+  ///@}
   /// Throws Error, and keeps the one before, when a value of the field is none of its categories.
   void setTransferFunction(TransferFunction transferFunction);
 
   /// One of several components of what is drawn, each a field of the same octree with functions of its own.
   struct Component
   {
-    std::shared_ptr<const Field> field;
-    TransferFunction function; // over its values less their offset
-    float weight = 1.f;        // at least 0
+    std::shared_ptr<const Field> field; // never null
+    TransferFunction function;          // over its values less their offset
+    float weight = 1.f;                 // at least 0
   };
 
   /// Colours by another field, in the octree of the first: of the transfer function extinctions alone count then, of
@@ -72,6 +78,7 @@ public:
   /// extinction. They are not lit. None or one: the volume alone. Throws Error, and keeps what was there, as setColors()
   /// and for weights that are negative or not finite.
   void setComponents(std::vector<Component> others, float ownWeight = 1.f);
+  /// Whether any of these three mixes other fields in.
   bool hasColors() const noexcept { return static_cast<bool>(mixture_); }
 
   /// Forgets the vertex values, unless these are the bytes that it was given before.

@@ -39,10 +39,10 @@ constexpr bool blendsValues(VolumeBlend blend) noexcept
 /// different sizes meet. Where the field is flat there is the ambient term alone.
 struct VolumeShading
 {
-  float ambient = 0.1f; // of the sample's colour
-  float diffuse = 0.7f;
-  float specular = 0.2f;
-  float specularPower = 10.f;
+  float ambient = 0.1f;                // of the sample's colour
+  float diffuse = 0.7f;                // likewise
+  float specular = 0.2f;               // of the light's colour
+  float specularPower = 10.f;          // larger ones make highlights smaller
   std::array<float, 3> ambientLight{}; // as it is, whatever the sample's colour
   /// In coordinates whose origin is the eye. With none there are the ambient terms alone.
   std::vector<Light> lights;
@@ -60,12 +60,13 @@ struct GradientOpacity
   std::vector<float> entries;
 };
 
+/// Of a frame.
 struct VolumeSettings
 {
   /// Samples along a cell's width, up to the maximum, where the transfer function varies in the cell; fewer
   /// where little can change, but one at least for each cell or block of eight that a ray crosses.
   double samplesPerCell = 2.;
-  static constexpr double maxSamplesPerCell = 1e6;
+  static constexpr double maxSamplesPerCell = 1e6; // what is allowed
   /// Leave out nodes whose range is transparent. Never changes a pixel; off only to test that.
   bool skipEmpty = true;
   /// Integrate over the values between samples where points would miss too much of the transfer function; off only
@@ -79,7 +80,7 @@ struct VolumeSettings
   double levelOfDetailPixels = 0.;
   /// Each leaf shows its own value everywhere in it, and its centre's gradient: nothing is reconstructed in between.
   bool nearest = false;
-  VolumeBlend blend = VolumeBlend::Composite;
+  VolumeBlend blend = VolumeBlend::Composite; // what is made of the values
   /// Length in the world over which the opacities count that blends other than composite ask for.
   double unitDistance = 1.;
   /// Whose face a slice is.
@@ -88,9 +89,10 @@ struct VolumeSettings
   Range averageRange{ -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity() };
   /// Of composites and slices; not of categories, which have no gradients.
   std::optional<VolumeShading> shading{};
-  std::optional<GradientOpacity> gradientOpacity{};
+  std::optional<GradientOpacity> gradientOpacity{}; // likewise
 };
 
+/// Counts of a frame.
 struct VolumeStatistics
 {
   std::uint64_t rays = 0;          // that had a part of the view to themselves
@@ -107,6 +109,7 @@ struct VolumeStatistics
   std::uint64_t litSteps = 0;      // that were not transparent for all of their rays
   std::uint64_t samples = 0;       // of the field along rays
 
+  /// Of both together.
   VolumeStatistics& operator+=(const VolumeStatistics& other) noexcept
   {
     rays += other.rays;

@@ -44,7 +44,9 @@ public:
   /// Of the last export, for which there is no use any more.
   void ReleaseTriangles();
 
+  /// What exporters write: an actor of the triangles, or itself where there are none.
   void GetActors(vtkPropCollection* actors) override;
+  /// Releases what the last export made.
   void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
   /// Translucent surfaces with which VTK has nothing to sort are drawn here, in the place of its translucent pass. They
   /// are no volume: always 0.

@@ -80,8 +80,11 @@ public:
   vtkTypeMacro(vtkTreeAMRIsosurfaceMapper, vtkMapper);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  ///@{
+  /// What the surfaces are of; null: nothing is drawn.
   void SetInputData(vtkHyperTreeGrid* grid);
   vtkHyperTreeGrid* GetHyperTreeGrid();
+  ///@}
 
   ///@{
   /// The isovalues, as vtkContourValues has them: by default one, 0. Without any nothing is drawn.
@@ -174,9 +177,11 @@ public:
   vtkIdType IntersectWithLine(
     const double p1[3], const double p2[3], double t1, double t2, double& t, double normal[3], double& value);
 
+  ///@{
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
+  ///@}
 
   /// Whether the array's colours are translucent, by vtkMapper's rules: those of the lookup table, or those
   /// in an array of colours; besides, the lookup table's colour of NaN.
@@ -188,8 +193,12 @@ public:
   vtkMTimeType GetMTime() override;
   /// The input, too.
   void ShallowCopy(vtkAbstractMapper* mapper) override;
+  ///@{
+  /// As all of VTK's mappers have them.
   void Render(vtkRenderer* renderer, vtkActor* actor) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
+  ///@}
+  /// Of cells.
   bool GetSupportsSelection() override { return true; }
 
 protected:

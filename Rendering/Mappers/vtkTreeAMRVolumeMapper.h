@@ -89,8 +89,11 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   using Superclass::SetInputData;
+  ///@{
+  /// What is drawn; null: nothing is.
   void SetInputData(vtkHyperTreeGrid* grid);
   vtkHyperTreeGrid* GetHyperTreeGrid();
+  ///@}
 
   /// What is drawn of arrays with several components, as in vtkSmartVolumeMapper.
   enum VectorModeType
@@ -319,14 +322,19 @@ public:
   vtkIdType IntersectWithLine(vtkVolume* volume, const double p1[3], const double p2[3], double t1, double t2,
     double opacity, double& t, double normal[3], double& value);
 
+  ///@{
   /// Bounds of the trees that this process holds; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
+  ///@}
 
   /// The input, too.
   void ShallowCopy(vtkAbstractMapper* mapper) override;
+  ///@{
+  /// As all of VTK's mappers have them.
   void Render(vtkRenderer* renderer, vtkVolume* volume) override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
+  ///@}
 
 protected:
   vtkTreeAMRVolumeMapper();
