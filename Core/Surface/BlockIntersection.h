@@ -121,15 +121,6 @@ struct RayTile
   };
   std::array<Placed, HitPlaces::most> placed; // whose places these are
 
-  std::size_t hitCount() const noexcept
-  {
-    std::size_t sum = 0;
-    for (int i = 0; i < count; ++i)
-    {
-      sum += hits[i].all ? hits[i].all->size() : hits[i].any();
-    }
-    return sum;
-  }
   /// For other rays.
   void clear() noexcept
   {

@@ -73,6 +73,49 @@ void makeRoom(LargeVector<SurfaceHit>& hits, std::size_t count)
   }
 }
 
+/// What a tile's rays have found, until all of it has its place in the image.
+class TileHits
+{
+public:
+  /// Of the tile's rays; calls count(ray, how many hits it has) for each.
+  template <class Count>
+  void take(RayTile& tile, const Count& count)
+  {
+    order_.clear();
+    found_.clear();
+    if (tile.count > 0 && tile.hits[0].all)
+    {
+      for (int ray = 0; ray < tile.count; ++ray)
+      {
+        for (const FoundHit& hit : *tile.hits[ray].all)
+        {
+          order_.push_back(hit.number);
+        }
+        count(ray, tile.hits[ray].all->size());
+      }
+      found_.swap(tile.found); // which its next rays clear
+      return;
+    }
+    found_.reserve(static_cast<std::size_t>(std::count_if(
+      tile.hits.begin(), tile.hits.begin() + tile.count, [](const RayHits& hits) { return hits.any(); })));
+    for (int ray = 0; ray < tile.count; ++ray)
+    {
+      const RayHits& hits = tile.hits[ray];
+      if (hits.any())
+      {
+        found_.push_back(hits.nearest);
+      }
+      count(ray, std::size_t(hits.any()));
+    }
+  }
+  /// Of the hits that count, ray by ray, the i-th.
+  const SurfaceHit& hit(std::size_t i) const noexcept { return found_[order_.empty() ? i : order_[i]]; }
+
+private:
+  std::vector<SurfaceHit> found_;
+  std::vector<std::uint32_t> order_; // none: the same
+};
+
 /// The tiles of an image.
 class ImageTiles
 {
@@ -370,7 +413,7 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
   {
     std::call_once(impl_->makesBoxes, [&] { impl_->boxes.emplace(impl_->intersection); });
   }
-  const auto trace = [&](int i, int j, std::vector<SurfaceHit>& found) {
+  const auto trace = [&](int i, int j, TileHits& found) {
     RayTile& tile = impl_->tile();
     tile.places.withNormals = normals == SurfaceNormals::Smooth;
     std::array<std::size_t, RayTile::most> pixelOf;
@@ -384,25 +427,7 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
       most == 1 ? impl_->hierarchy.intersect(tile) : impl_->boxes->find(tile);
       impl_->intersection.finish(tile);
     }
-    found.clear();
-    found.reserve(tile.hitCount());
-    for (int k = 0; k < tile.count; ++k)
-    {
-      const RayHits& hits = tile.hits[k];
-      const std::size_t before = found.size();
-      if (hits.all)
-      {
-        for (const FoundHit& hit : *hits.all)
-        {
-          found.push_back(tile.found[hit.number]);
-        }
-      }
-      else if (hits.any())
-      {
-        found.push_back(hits.nearest);
-      }
-      image.first[pixelOf[k] + 1] = found.size() - before;
-    }
+    found.take(tile, [&](int ray, std::size_t count) { image.first[pixelOf[ray] + 1] = count; });
   };
   // Of many hits those of a few rows at a time, which caches hold until they are in the image.
   const int rows = most == 1 ? tiles.rows() : tiles.rowsTogether();
@@ -410,7 +435,7 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
   {
     view.progress->begin(tiles.ofRows(tiles.rows()));
   }
-  std::vector<std::vector<SurfaceHit>> parts(tiles.ofRows(rows));
+  std::vector<TileHits> parts(tiles.ofRows(rows));
   for (int row = 0; row < tiles.rows(); row += rows)
   {
     const int end = std::min(row + rows, tiles.rows());
@@ -427,11 +452,13 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
     }
     makeRoom(image.hits, image.first[tiles.firstPixel(end)]);
     tiles.forAll(row, end, [&](int i, int j) {
-      auto next = parts[tiles.number(i, j, row)].begin();
+      const TileHits& part = parts[tiles.number(i, j, row)];
+      std::size_t next = 0;
       tiles.forPixels(i, j, [&](std::size_t pixel) {
-        const auto count = static_cast<std::ptrdiff_t>(image.first[pixel + 1] - image.first[pixel]);
-        std::copy(next, next + count, image.hits.begin() + static_cast<std::ptrdiff_t>(image.first[pixel]));
-        next += count;
+        for (std::size_t to = image.first[pixel]; to < image.first[pixel + 1]; ++to)
+        {
+          image.hits[to] = part.hit(next++);
+        }
       });
     });
   }

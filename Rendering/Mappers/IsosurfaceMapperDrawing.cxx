@@ -296,29 +296,22 @@ void vtkTreeAMRIsosurfaceMapper::RenderSurface(
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(
+void vtkTreeAMRIsosurfaceMapper::DrawLayers(
   vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress)
 {
   Internals& internals = *this->Private;
   const treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
   const bool isPeeling = vtkTreeAMRDepthPeeling::IsPeeling(actor);
-  if (!scene.isDrawnAsVolume || scene.drawer != actor ||
-    (isPeeling && !vtkTreeAMRDepthPeeling::IsFirstStage(internals.StandIn, actor)))
-  {
-    return;
-  }
   const vtkTreeAMRViewport viewport = vtkTreeAMRTarget::GetViewport(renderer);
-  vtkTreeAMRRaySegments front; // of translucent polygons: there are none
-  vtkTreeAMRRaySegments rays;
-  if (isPeeling)
+  std::vector<float> depth;
+  if (isPeeling) // but there is nothing to peel
   {
-    internals.DepthPeeling.Begin(
-      renderer, internals.StandIn, actor, viewport.Width, viewport.Height, front, rays);
-    rays.Begin.clear();
+    internals.DepthPeeling.BeginWithoutPeels(
+      renderer, internals.StandIn, actor, viewport.Width, viewport.Height, depth);
   }
   else
   {
-    vtkTreeAMRDepthReader::Read(renderer, viewport, rays.End);
+    vtkTreeAMRDepthReader::Read(renderer, viewport, depth);
   }
   treeamr::ActorLayers layers(renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress);
   const double distance = layers.chooseSampleDistance(0.);
@@ -332,12 +325,12 @@ void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(
   vtkTreeAMRRayImage picture{ reduction, treeamr::Image(reduction.width(), reduction.height()), {} };
   if (reduction.isFull())
   {
-    treeamr::flattenLayers(shaders, rays.End, picture.Image);
+    treeamr::flattenLayers(shaders, depth, picture.Image);
   }
   else
   {
-    treeamr::flattenLayers(shaders, reduction.sample(rays.End), picture.Image);
-    picture.Lengths = rays.End;
+    treeamr::flattenLayers(shaders, reduction.sample(depth), picture.Image);
+    picture.Lengths = std::move(depth);
   }
   isPeeling ? internals.DepthPeeling.Draw(renderer, nullptr, picture)
             : internals.ImagePainter.DrawOver(renderer, picture);
@@ -347,11 +340,35 @@ void vtkTreeAMRIsosurfaceMapper::DrawWithVolumes(
 //------------------------------------------------------------------------------
 void vtkTreeAMRIsosurfaceMapper::RenderWithVolumes(vtkRenderer* renderer, vtkActor* actor)
 {
-  if (!renderer->GetSelector())
+  if (renderer->GetSelector())
   {
-    this->Watch(
-      renderer, [&](treeamr::Progress* progress) { this->DrawWithVolumes(renderer, actor, progress); });
+    return;
   }
+  this->Watch(renderer, [&](treeamr::Progress* progress) {
+    const treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+    const bool isLater = vtkTreeAMRDepthPeeling::IsPeeling(actor) &&
+      !vtkTreeAMRDepthPeeling::IsFirstStage(this->Private->StandIn, actor);
+    if (scene.isDrawnAsVolume && scene.drawer == actor && !isLater)
+    {
+      this->DrawLayers(renderer, actor, progress);
+    }
+  });
+}
+
+//------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceMapper::RenderAfterOpaque(vtkRenderer* renderer, vtkActor* actor)
+{
+  const treeamr::TranslucentScene scene = treeamr::findTranslucentScene(renderer);
+  if (renderer->GetSelector() || !treeamr::comesAfterOpaque(renderer, scene) || !scene.has(actor))
+  {
+    return false;
+  }
+  this->Private->Messages.unsupported(treeamr::unsupportedSettings(actor, this));
+  if (scene.surfaces.back() == actor)
+  {
+    this->Watch(renderer, [&](treeamr::Progress* progress) { this->DrawLayers(renderer, actor, progress); });
+  }
+  return true;
 }
 
 //------------------------------------------------------------------------------

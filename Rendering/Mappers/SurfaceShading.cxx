@@ -208,6 +208,12 @@ void forEachPixel(std::span<const SurfaceShader> shaders, std::size_t pixels, co
 /// Less light than 8 bits can show.
 constexpr float noLight = 1.f / 1024.f;
 
+/// Whether a hit is before a window depth. All are before that of the far plane.
+bool isBefore(const LayerWalk& walk, float depth)
+{
+  return depth >= 1.f || static_cast<float>(walk.depth()) <= depth;
+}
+
 /// Blends the layers before the window depths of their pixels, down to the last that 8 bits could show, into
 /// premultiplied rgba. Calls atNearest(pixel, walk) at the first of each, and end(pixel) for all.
 template <class AtNearest, class End>
@@ -219,8 +225,7 @@ void blendLayers(std::span<const SurfaceShader> shaders, std::span<const float> 
     [&](std::size_t pixel, LayerWalk& walk, const auto& add) {
       std::fill_n(&rgba[4 * pixel], 3, 0.f);
       float passes = 1.f;
-      for (bool isNearest = true;
-           passes > noLight && walk.next() && static_cast<float>(walk.depth()) <= depth[pixel];
+      for (bool isNearest = true; passes > noLight && walk.next() && isBefore(walk, depth[pixel]);
            isNearest = false)
       {
         if (isNearest)
@@ -383,9 +388,17 @@ void LayerWalk::start(std::size_t pixel)
     if (source.hit != source.end)
     {
       source.sight = source.shader->sight(pixel);
-      source.depth = source.shader->camera().depthFromT(source.sight.ray, hits.hits[source.hit].t);
+      if (sources_.size() > 1)
+      {
+        source.depth = source.depthOfHit();
+      }
     }
   }
+}
+
+double LayerWalk::Source::depthOfHit() const noexcept
+{
+  return shader->camera().depthFromT(sight.ray, shader->hits().hits[hit].t);
 }
 
 bool LayerWalk::next()
@@ -393,12 +406,16 @@ bool LayerWalk::next()
   if (isStarted_)
   {
     Source& last = sources_[current_];
-    if (++last.hit != last.end)
+    if (++last.hit != last.end && sources_.size() > 1)
     {
-      last.depth = last.shader->camera().depthFromT(last.sight.ray, last.shader->hits().hits[last.hit].t);
+      last.depth = last.depthOfHit();
     }
   }
   isStarted_ = true;
+  if (sources_.size() == 1)
+  {
+    return sources_[0].hit != sources_[0].end;
+  }
   bool found = false;
   for (std::size_t s = 0; s < sources_.size(); ++s)
   {
@@ -415,7 +432,7 @@ double LayerWalk::t(const Camera& camera, const Ray& ray) const noexcept
 {
   const Source& source = sources_[current_];
   const bool isSame = source.sight.ray.origin == ray.origin && source.sight.ray.direction == ray.direction;
-  return isSame ? source.shader->hits().hits[source.hit].t : camera.tFromDepth(ray, source.depth);
+  return isSame ? source.shader->hits().hits[source.hit].t : camera.tFromDepth(ray, this->depth());
 }
 
 std::array<float, 2> LayerWalk::depthSlope() const noexcept

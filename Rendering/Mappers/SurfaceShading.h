@@ -107,7 +107,11 @@ public:
   void start(std::size_t pixel);
   /// To the first hit, then to the next ones; false: there are no more.
   bool next();
-  double depth() const noexcept { return sources_[current_].depth; }
+  double depth() const noexcept
+  {
+    const Source& source = sources_[current_];
+    return sources_.size() > 1 ? source.depth : source.depthOfHit();
+  }
   /// On a camera's ray of the pixel.
   double t(const Camera& camera, const Ray& ray) const noexcept;
   /// Which of the shaders' hits it is, and its sight.
@@ -123,8 +127,10 @@ private:
     const SurfaceShader* shader;
     std::size_t hit = 0;
     std::size_t end = 0;
-    double depth = 0.; // in the window, of that hit
+    double depth = 0.; // in the window, of that hit: by which several sources are compared
     Sight sight{};
+
+    double depthOfHit() const noexcept;
   };
   std::vector<Source> sources_;
   std::size_t current_ = 0;

@@ -10,7 +10,9 @@
 
 #include "vtkActor.h"
 #include "vtkCameraPass.h"
+#include "vtkCuller.h"
 #include "vtkCullerCollection.h"
+#include "vtkFrustumCoverageCuller.h"
 #include "vtkImageProcessingPass.h"
 #include "vtkMath.h"
 #include "vtkNew.h"
@@ -57,6 +59,27 @@ bool drawsVolumesLast(vtkRenderer* renderer)
   return !renderer->GetPass();
 }
 
+/// Whether all is drawn by the renderer itself, or ParaView's pass that asks it to.
+bool hasOwnOrder(vtkRenderer* renderer)
+{
+  vtkRenderPass* pass = renderer->GetPass();
+  if (auto camera = vtkCameraPass::SafeDownCast(pass))
+  {
+    pass = camera->GetDelegatePass();
+  }
+  bool sorts = false;
+  vtkCullerCollection* cullers = renderer->GetCullers();
+  vtkCollectionSimpleIterator at;
+  cullers->InitTraversal(at);
+  while (vtkCuller* culler = cullers->GetNextCuller(at))
+  {
+    auto frustum = vtkFrustumCoverageCuller::SafeDownCast(culler);
+    sorts = sorts ||
+      (frustum ? frustum->GetSortingStyle() != VTK_CULLER_SORT_NONE : !culler->IsA("vtkPVRendererCuller"));
+  }
+  return (!pass || pass->IsA("vtkPVDefaultPass")) && !sorts;
+}
+
 /// Whether some prop that is drawn as a volume is in it.
 bool hasVolumes(vtkProp* prop)
 {
@@ -70,6 +93,12 @@ bool hasVolumes(vtkProp* prop)
 bool isCulled(vtkRenderer* renderer, vtkProp* prop)
 {
   return renderer->GetCullers()->GetNumberOfItems() > 0 && prop->GetRenderTimeMultiplier() == 0.;
+}
+
+bool isTranslucent(vtkActor* actor)
+{
+  auto own = vtkTreeAMRIsosurfaceActor::SafeDownCast(actor);
+  return own ? own->IsTranslucent() : actor->HasTranslucentPolygonalGeometry();
 }
 
 bool TranslucentScene::has(const vtkActor* actor) const
@@ -99,7 +128,7 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer)
     }
     auto actor = vtkActor::SafeDownCast(prop);
     const bool isSurface = actor && vtkTreeAMRIsosurfaceMapper::SafeDownCast(actor->GetMapper());
-    if (isSurface && actor->HasTranslucentPolygonalGeometry())
+    if (isSurface && isTranslucent(actor))
     {
       if (vtkMath::AreBoundsInitialized(actor->GetMapper()->GetBounds())) // else there is nothing of it here
       {
@@ -128,6 +157,33 @@ TranslucentScene findTranslucentScene(vtkRenderer* renderer)
     scene.drawer = scene.isDrawnAsVolume ? *own : scene.surfaces.front();
   }
   return scene;
+}
+
+bool comesAfterOpaque(vtkRenderer* renderer, const TranslucentScene& scene)
+{
+  const bool areOwn = std::all_of(scene.surfaces.begin(), scene.surfaces.end(),
+    [](vtkActor* actor) { return vtkTreeAMRIsosurfaceActor::SafeDownCast(actor) != nullptr; });
+  if (scene.surfaces.empty() || !areOwn || scene.volume || !scene.isDrawnAsVolume || !hasOwnOrder(renderer) ||
+    renderer->GetUseSSAO() || renderer->GetUseShadows() || renderer->GetUseHiddenLineRemoval())
+  {
+    return false;
+  }
+  bool isBehind = true;
+  vtkPropCollection* props = renderer->GetViewProps();
+  vtkCollectionSimpleIterator at;
+  props->InitTraversal(at);
+  while (vtkProp* prop = props->GetNextProp(at))
+  {
+    if (prop == scene.surfaces.back())
+    {
+      isBehind = true;
+    }
+    else if (prop->GetVisibility() && !isCulled(renderer, prop) && prop->HasOpaqueGeometry())
+    {
+      isBehind = false;
+    }
+  }
+  return isBehind;
 }
 
 //------------------------------------------------------------------------------

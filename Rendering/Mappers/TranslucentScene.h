@@ -5,7 +5,8 @@
 // walks through a volume from peel to peel. Where nothing of others lies between, the surfaces' hits and the volume
 // are composited along each ray instead: one of the props draws all of them, the others nothing. That is the volume;
 // without one a vtkTreeAMRIsosurfaceActor, which is asked to draw with the volumes, too; else the first of the actors,
-// as one layer of polygons.
+// as one layer of polygons. Where the last of such actors comes behind all that is opaque, it draws right after that, as
+// the renderer's smoothing of edges wants it, and VTK has nothing translucent to prepare its passes for.
 #pragma once
 
 #include "SurfaceShading.h"
@@ -37,12 +38,19 @@ struct TranslucentScene
   bool has(const vtkActor* actor) const;
 };
 
+/// Whether light comes through, whoever draws it.
+bool isTranslucent(vtkActor* actor);
+
 /// Cullers take props out of the frame by giving them no time.
 bool isCulled(vtkRenderer* renderer, vtkProp* prop);
 
 /// Empty when anything else is translucent, or drawn as a volume, or part of an assembly; and when volumes may not be drawn
 /// after surfaces (the renderer has passes that are not known). While the renderer draws.
 TranslucentScene findTranslucentScene(vtkRenderer* renderer);
+
+/// Whether all of it are vtkTreeAMRIsosurfaceActors, the last of which is drawn behind everything that is opaque, with
+/// nothing to follow that looks at opaque things alone. While the renderer draws.
+bool comesAfterOpaque(vtkRenderer* renderer, const TranslucentScene& scene);
 
 /// The surfaces of actors on their way into one picture. Errors are reported by the actors' mappers, once; such an
 /// actor is left out.

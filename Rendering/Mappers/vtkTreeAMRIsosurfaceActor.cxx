@@ -124,13 +124,40 @@ void vtkTreeAMRIsosurfaceActor::Render(vtkRenderer* renderer, vtkMapper* mapper)
 }
 
 //------------------------------------------------------------------------------
+bool vtkTreeAMRIsosurfaceActor::IsTranslucent()
+{
+  return this->Superclass::HasTranslucentPolygonalGeometry() != 0;
+}
+
+//------------------------------------------------------------------------------
+vtkTypeBool vtkTreeAMRIsosurfaceActor::HasTranslucentPolygonalGeometry()
+{
+  return !this->IsDrawn && this->IsTranslucent();
+}
+
+//------------------------------------------------------------------------------
+int vtkTreeAMRIsosurfaceActor::RenderOpaqueGeometry(vtkViewport* viewport)
+{
+  auto mapper = vtkTreeAMRIsosurfaceMapper::SafeDownCast(this->Mapper);
+  auto renderer = vtkRenderer::SafeDownCast(viewport);
+  this->IsDrawn = mapper && renderer && this->IsTranslucent() && mapper->RenderAfterOpaque(renderer, this);
+  if (!this->IsDrawn)
+  {
+    return this->Superclass::RenderOpaqueGeometry(viewport);
+  }
+  this->ReleaseTriangles();
+  return 1;
+}
+
+//------------------------------------------------------------------------------
 int vtkTreeAMRIsosurfaceActor::RenderVolumetricGeometry(vtkViewport* viewport)
 {
   auto mapper = vtkTreeAMRIsosurfaceMapper::SafeDownCast(this->Mapper);
   auto renderer = vtkRenderer::SafeDownCast(viewport);
-  if (mapper && renderer && this->HasTranslucentPolygonalGeometry())
+  if (!this->IsDrawn && mapper && renderer && this->IsTranslucent())
   {
     mapper->RenderWithVolumes(renderer, this);
   }
+  this->IsDrawn = false;
   return 0;
 }

@@ -8,7 +8,9 @@
  * when an exporter updates that actor's mapper, not before, and kept until this actor is rendered again. A
  * process that has not all of the grid may give exporters other triangles, those of all processes.
  *
- * Translucent surfaces that VTK has nothing to sort with it draws when volumes are drawn, which takes no depth peeling.
+ * Translucent surfaces that VTK has nothing to sort with it draws when volumes are drawn, which takes no depth peeling;
+ * behind what is opaque, where such actors come last in the renderer and it has no volume. Meanwhile they are not
+ * translucent polygons.
  *
  * In everything else it is a vtkActor: with another mapper, when rendered, selected or picked, and in
  * vtkRenderer::GetViewProps(). vtkRenderer::GetActors() contains the actor of polygons, which the next
@@ -48,6 +50,10 @@ public:
   void GetActors(vtkPropCollection* actors) override;
   /// Releases what the last export made.
   void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
+  /// Whether light comes through, whatever of the frame is drawn.
+  bool IsTranslucent();
+  vtkTypeBool HasTranslucentPolygonalGeometry() override;
+  int RenderOpaqueGeometry(vtkViewport* viewport) override;
   /// Translucent surfaces with which VTK has nothing to sort are drawn here, in the place of its translucent pass. They
   /// are no volume: always 0.
   int RenderVolumetricGeometry(vtkViewport* viewport) override;
@@ -63,6 +69,7 @@ private:
 
   std::unique_ptr<Polygons> Exported; // once an exporter has asked
   vtkSmartPointer<vtkAlgorithm> ExportedTriangles;
+  bool IsDrawn = false; // from when a frame draws what is opaque until it draws volumes: this, too
 
   vtkTreeAMRIsosurfaceActor(const vtkTreeAMRIsosurfaceActor&) = delete;
   void operator=(const vtkTreeAMRIsosurfaceActor&) = delete;

@@ -241,7 +241,9 @@ private:
   void RenderSurface(vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress);
   /// When the renderer draws volumes: all surfaces that its translucent scene has, if this actor draws them.
   void RenderWithVolumes(vtkRenderer* renderer, vtkActor* actor);
-  void DrawWithVolumes(vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress);
+  /// When it draws what is opaque: the same. False: that cannot be done then.
+  bool RenderAfterOpaque(vtkRenderer* renderer, vtkActor* actor);
+  void DrawLayers(vtkRenderer* renderer, vtkActor* actor, treeamr::Progress* progress);
   /// Watches what draws, and reports its errors.
   void Watch(vtkRenderer* renderer, const std::function<void(treeamr::Progress*)>& draw);
   void Select(treeamr::SurfaceActorView& view);

@@ -4,6 +4,7 @@
 #include "vtkTreeAMRTarget.h"
 
 #include "Error.h"
+#include "LargeArray.h"
 
 #include "vtkObject.h"
 #include "vtkOpenGLError.h" // brings the GL loader of this VTK: glew up to 9.3, glad from 9.4
@@ -102,10 +103,11 @@ GLint getTextureUnit(vtkShaderProgram* program, const char* sampler)
 }
 
 // The texture in that unit: height x width pairs.
-std::vector<float> readDepths(vtkShaderProgram* program, const char* sampler, int width, int height)
+treeamr::LargeArray<float> readDepths(vtkShaderProgram* program, const char* sampler, int width, int height)
 {
   const GLint unit = getTextureUnit(program, sampler);
-  std::vector<float> values(2 * static_cast<std::size_t>(width) * height);
+  treeamr::LargeArray<float> values =
+    treeamr::makeLargeArray<float>(2 * static_cast<std::size_t>(width) * height);
 
   vtkTreeAMRTarget::DiscardErrors();
   GLint activeTexture = GL_TEXTURE0;
@@ -124,7 +126,7 @@ std::vector<float> readDepths(vtkShaderProgram* program, const char* sampler, in
   const bool fits = textureWidth == width && textureHeight == height;
   if (fits)
   {
-    glGetTexImage(GL_TEXTURE_2D, 0, GL_RG, GL_FLOAT, values.data());
+    glGetTexImage(GL_TEXTURE_2D, 0, GL_RG, GL_FLOAT, values.get());
   }
   const GLenum error = glGetError();
   glPixelStorei(GL_PACK_ALIGNMENT, packAlignment);
@@ -143,6 +145,18 @@ std::vector<float> readDepths(vtkShaderProgram* program, const char* sampler, in
 
 // The pass's depth textures hold (-nearest, farthest), because they are blended by maximum; -1 is "none".
 constexpr float none = -1.f;
+
+// Of what is opaque, from its texture, which has the same depth twice; 1 where nothing is.
+void readOpaqueDepths(
+  vtkShaderProgram* program, const char* sampler, int width, int height, std::vector<float>& depth)
+{
+  const treeamr::LargeArray<float> pairs = readDepths(program, sampler, width, height);
+  depth.resize(static_cast<std::size_t>(width) * height);
+  for (std::size_t i = 0; i < depth.size(); ++i)
+  {
+    depth[i] = pairs[2 * i + 1] == none ? 1.f : pairs[2 * i + 1];
+  }
+}
 
 } // anonymous namespace
 
@@ -196,8 +210,8 @@ bool vtkTreeAMRDepthPeeling::IsFirstStage(vtkAbstractMapper* mapper, vtkProp* vo
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume,
-  int width, int height, vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back)
+vtkShaderProgram* vtkTreeAMRDepthPeeling::Probe(
+  vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume)
 {
   vtkOpenGLRenderPass* pass = FindPass(volume);
   if (!pass)
@@ -207,7 +221,21 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
   this->CurrentStage = FindStage(pass, mapper, volume);
   vtkShaderProgram* program = this->ProbeQuad.Use(vtkTreeAMRTarget::GetWindow(renderer));
   pass->SetShaderParameters(program, mapper, volume, this->ProbeQuad.GetVertexArray());
+  return program;
+}
 
+//------------------------------------------------------------------------------
+void vtkTreeAMRDepthPeeling::BeginWithoutPeels(vtkRenderer* renderer, vtkAbstractMapper* mapper,
+  vtkProp* volume, int width, int height, std::vector<float>& depth)
+{
+  readOpaqueDepths(this->Probe(renderer, mapper, volume), "outerDepthTex", width, height, depth);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume,
+  int width, int height, vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back)
+{
+  vtkShaderProgram* program = this->Probe(renderer, mapper, volume);
   const std::size_t pixels = static_cast<std::size_t>(width) * height;
   for (vtkTreeAMRRaySegments* segments : { &front, &back })
   {
@@ -217,7 +245,7 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
 
   if (this->CurrentStage == Stage::Remainder)
   {
-    const std::vector<float> range = readDepths(program, "depthRangeTex", width, height);
+    const treeamr::LargeArray<float> range = readDepths(program, "depthRangeTex", width, height);
     for (std::size_t i = 0; i < pixels; ++i)
     {
       if (range[2 * i] != none)
@@ -229,8 +257,8 @@ void vtkTreeAMRDepthPeeling::Begin(vtkRenderer* renderer, vtkAbstractMapper* map
     return;
   }
 
-  const std::vector<float> inner = readDepths(program, "innerDepthTex", width, height);
-  const std::vector<float> outer = readDepths(program, "outerDepthTex", width, height);
+  const treeamr::LargeArray<float> inner = readDepths(program, "innerDepthTex", width, height);
+  const treeamr::LargeArray<float> outer = readDepths(program, "outerDepthTex", width, height);
   if (this->CurrentStage == Stage::Outside)
   {
     // inner: the translucent surfaces, else the opaque one; outer: the opaque surface.
@@ -288,12 +316,7 @@ bool vtkTreeAMRDepthPeeling::ReadOpaqueDepth(vtkRenderer* renderer, vtkAbstractM
   }
   vtkShaderProgram* program = this->OpaqueQuad.Use(vtkTreeAMRTarget::GetWindow(renderer));
   pass->SetShaderParameters(program, mapper, surface, this->OpaqueQuad.GetVertexArray());
-  const std::vector<float> pairs = readDepths(program, "opaqueDepth", width, height);
-  depth.resize(pairs.size() / 2);
-  for (std::size_t i = 0; i < depth.size(); ++i)
-  {
-    depth[i] = pairs[2 * i + 1] == none ? 1.f : pairs[2 * i + 1];
-  }
+  readOpaqueDepths(program, "opaqueDepth", width, height, depth);
   return true;
 }
 

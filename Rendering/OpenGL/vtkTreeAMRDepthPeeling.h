@@ -20,6 +20,7 @@ class vtkAbstractMapper;
 class vtkOpenGLRenderPass;
 class vtkProp;
 class vtkRenderer;
+class vtkShaderProgram;
 class vtkWindow;
 
 class vtkTreeAMRDepthPeeling
@@ -38,6 +39,10 @@ public:
   /// The segments to trace now, for width x height pixels of the viewport. Throws treeamr::Error.
   void Begin(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume, int width, int height,
     vtkTreeAMRRaySegments& front, vtkTreeAMRRaySegments& back);
+  /// The same for a frame in which nothing is peeled, at its first stage: the window depths of what is opaque, 1 where
+  /// nothing is, at which the one segment of each pixel ends.
+  void BeginWithoutPeels(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume, int width,
+    int height, std::vector<float>& depth);
   /// Whether Begin() was the first one of its frame.
   bool IsFrameStart() const { return this->CurrentStage == Stage::Outside; }
   /// The images of the two segments; null: nothing. Throws treeamr::Error.
@@ -60,6 +65,7 @@ private:
   };
   static vtkOpenGLRenderPass* FindPass(vtkProp* volume);
   static Stage FindStage(vtkOpenGLRenderPass* pass, vtkAbstractMapper* mapper, vtkProp* volume);
+  vtkShaderProgram* Probe(vtkRenderer* renderer, vtkAbstractMapper* mapper, vtkProp* volume);
   const char* StageShader() const;
 
   Stage CurrentStage = Stage::Outside;

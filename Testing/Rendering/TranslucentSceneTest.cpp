@@ -181,6 +181,27 @@ TEST_F(TranslucentSceneTest, ownActorsAmongOthers)
   expectLayers(scene, nullptr, things.rectangles, 2. * tolerance, { false, 0.7 });
 }
 
+// Behind all that is opaque nothing is peeled, which would keep colours in 8 bits.
+TEST_F(TranslucentSceneTest, ownActorsThatComeLastAreNotPeeled)
+{
+  Scene scene(30, 22);
+  scene.useFloatTarget();
+  Things things = fill(scene, false);
+  sort(scene, Sorting::PolygonsAndVolumes);
+  things.upright = replaceByOwnActor(scene, things.upright);
+  things.flat = replaceByOwnActor(scene, things.flat);
+  expectLayers(scene, nullptr, things.rectangles, floatTolerance, mostlyEdges);
+  EXPECT_TRUE(things.flat->HasTranslucentPolygonalGeometry());
+  const auto alone = scene.render();
+  // What comes later is before or behind them all the same.
+  const Rectangle last = facingRectangle(0.4, 0.3, blue);
+  vtkActor* later = scene.addRectangle(last.center, last.halfU, last.halfV, last.color, last.opacity);
+  things.rectangles.push_back(last);
+  expectLayers(scene, nullptr, things.rectangles, tolerance, mostlyEdges);
+  later->VisibilityOff();
+  EXPECT_EQ(scene.render(), alone);
+}
+
 TEST_F(TranslucentSceneTest, ownActorsInFloatingPointAndAsDrafts)
 {
   Scene scene;
