@@ -249,6 +249,13 @@ void SurfaceBlocks::findActiveOctants(SurfaceRecord& record, unsigned drawn) con
       active |= static_cast<std::uint64_t>(low[o] <= above && high[o] >= below) << o;
     }
   }
+  // Where all is at one isovalue no surface passes: a plateau ends where other octants begin.
+  for (std::uint64_t rest = active; rest != 0; rest &= rest - 1)
+  {
+    const int o = std::countr_zero(rest);
+    const double rounding = 0x1p-49 * std::max(std::abs(low[o]), std::abs(high[o]));
+    active &= ~(static_cast<std::uint64_t>(high[o] - low[o] <= rounding) << o);
+  }
   record.active = active & octants;
   // An octant that is narrower by far has its digits in the double precision of the block, but not in its tolerance.
   constexpr double mixed = 0x1p-20;

@@ -1,4 +1,5 @@
 #include "Surface/Isosurface.h"
+#include "Contour/Contour.h"
 #include "Support/BruteForceGTI.h"
 #include "Support/Cameras.h"
 #include "Support/ExactRay.h"
@@ -191,14 +192,59 @@ TEST(Isosurface, OfXyzLiesOnTheAnalyticSurface)
   EXPECT_GT(interior, 5000);
 }
 
-TEST(Isosurface, OfASingleCellIsAllOfItOrNothing)
+TEST(Isosurface, OfAConstantIsNothing)
 {
-  const auto field = makeField(unitRoots({ 1, 1, 1 }), { { {}, 0.5f } });
-  const Ray ray{ { -1., 0.4, 0.4 }, { 1., 0., 0. } };
-  SurfaceHit hit;
-  EXPECT_FALSE(Isosurface(field, { 0.75 }).intersect(ray, 0., 9., hit));
-  EXPECT_TRUE(Isosurface(field, { 0.5 }).intersect(ray, 0., 9., hit)); // flat on the isovalue: its first face
-  EXPECT_EQ(hit.t, 1.);
+  // As contours are: all is inside, at the isovalue, too.
+  const Ray ray{ { -1., 0.4, 0.3 }, unit({ 1., 0.02, 0.01 }) };
+  const RandomTree options{ 12, { 2, 2, 2 }, 4, 0.6, 0.1, false };
+  for (const double value : { 0., 0.5, 0.1, -1e30, 1e-40 })
+  {
+    std::vector<LeafCell> cells = makeRandomTree(options);
+    setValues(cells, [=](const auto&) { return value; });
+    for (const auto& field : { makeField(unitRoots({ 1, 1, 1 }), { { {}, static_cast<float>(value) } }),
+           makeField(unitRoots(options.roots), cells) })
+    {
+      const double isovalue = static_cast<float>(value);
+      const Isosurface surface(field, { isovalue });
+      std::vector<SurfaceHit> hits;
+      surface.intersectAll(ray, 0., 9., hits);
+      EXPECT_TRUE(hits.empty()) << value;
+      EXPECT_EQ(surface.octantCount(), 0u) << value;
+      EXPECT_TRUE(contour(*field, isovalue).triangles.empty()) << value;
+    }
+  }
+}
+
+TEST(Isosurface, OfAPlateauIsWhereItBegins)
+{
+  // Along x a slope up to the isovalue, which is kept from x = 2 on. GTI has it from the centre of the first such cell.
+  const RandomTree options{ 41, { 4, 2, 2 }, 2, 1., 0., false };
+  std::vector<LeafCell> cells = makeRandomTree(options);
+  setValues(cells, [](const auto& p) { return std::min(p[0], 2.125); });
+  const auto field = makeField(unitRoots(options.roots), cells);
+  const double isovalue = 2.125;
+  const Isosurface surface(field, { isovalue });
+  const ContourMesh mesh = contour(*field, isovalue);
+  ASSERT_FALSE(mesh.points.empty());
+  for (const auto& point : mesh.points)
+  {
+    ASSERT_NEAR(point[0], isovalue, 1e-6);
+  }
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(0.2, 1.8);
+  std::uniform_real_distribution<double> slant(-0.05, 0.05);
+  for (int i = 0; i < 1000; ++i)
+  {
+    for (const double from : { -1., 5. })
+    {
+      const Ray ray{ { from, place(random), place(random) },
+        unit({ from < 0. ? 1. : -1., slant(random), slant(random) }) };
+      std::vector<SurfaceHit> hits;
+      surface.intersectAll(ray, 0., 9., hits);
+      ASSERT_EQ(hits.size(), 1u);
+      ASSERT_NEAR(pointAt(ray, hits[0].t)[0], isovalue, 1e-12);
+    }
+  }
 }
 
 TEST(Isosurface, HitsAreThoseOfExtendedPrecision)
