@@ -156,9 +156,17 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   this->Mapper->SetVectorComponent(component ? colors->GetVectorComponent() : 0);
   vtkDataArray* array = this->Grid->GetCellData()->GetArray(this->Mapper->GetArrayName());
   const int components = array ? array->GetNumberOfComponents() : 1;
-  const bool areDependent =
-    (this->MapsComponents || !this->MapsScalars) && (components == 2 || components == 4);
+  const bool areAsked = this->MapsComponents || !this->MapsScalars;
+  const bool areDependent = areAsked && (components == 2 || components == 4);
   this->Property->SetIndependentComponents(!areDependent);
+  const std::string inVain = areAsked && !areDependent && components > 1 ? this->Mapper->GetArrayName() : "";
+  if (!inVain.empty() && inVain != this->MappedInVain)
+  {
+    vtkWarningMacro(<< (this->MapsScalars ? "MultiComponentsMapping on" : "MapScalars off")
+                    << " is without effect on " << inVain << " of " << components
+                    << " components; needed are 2 (colour, opacity) or 4 (red, green, blue, opacity).");
+  }
+  this->MappedInVain = inVain;
   this->Mapper->SetOpacityArrayName(this->UsesOpacityArray ? this->OpacityArray.c_str() : "");
   double planes[6];
   for (int i = 0; i < 6; ++i)
@@ -166,6 +174,18 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
     planes[i] = this->CroppingOrigin[i / 2] + this->DataBounds[i] * this->CroppingScale[i / 2];
   }
   this->Mapper->SetCroppingRegionPlanes(planes);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetInterpolationType(int type)
+{
+  if (type != VTK_NEAREST_INTERPOLATION && type != VTK_LINEAR_INTERPOLATION)
+  {
+    vtkWarningMacro("InterpolationType "
+      << type << ", allowed are 0 (Nearest) and 1 (Linear), the nearest of which is taken.");
+    type = type < VTK_NEAREST_INTERPOLATION ? VTK_NEAREST_INTERPOLATION : VTK_LINEAR_INTERPOLATION;
+  }
+  this->Property->SetInterpolationType(type);
 }
 
 //------------------------------------------------------------------------------

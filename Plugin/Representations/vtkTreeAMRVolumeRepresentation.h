@@ -50,7 +50,7 @@ public:
   void SetShadows(bool shadows) { this->Mapper->SetShadows(shadows); }
   ///@}
   /// vtkVolumeProperty's: whether cells show their own values alone (0) or a field that is continuous (1, default).
-  void SetInterpolationType(int type) { this->Property->SetInterpolationType(type); }
+  void SetInterpolationType(int type);
   ///@{
   /// The light of the volume, and of its isosurfaces.
   void SetShade(bool shade) { this->Property->SetShade(shade); }
@@ -69,6 +69,7 @@ public:
   ///@{
   /// As ParaView's Volume: whether two components of an array are colour and opacity, and four are these themselves, but
   /// for the function of the opacity: with MultiComponentsMapping on (default off), or MapScalars off (default on).
+  /// For arrays of other numbers of components neither has an effect, which a warning tells.
   void SetMapScalars(bool map) { this->MapsScalars = map; }
   void SetMultiComponentsMapping(bool map) { this->MapsComponents = map; }
   ///@}
@@ -141,6 +142,7 @@ private:
 
   bool UsesOpacityArray = false;
   bool MapsScalars = true;
+  std::string MappedInVain; // array of which that was said
   bool MapsComponents = false;
   std::string OpacityArray;
   double CroppingOrigin[3] = { 0., 0., 0. };

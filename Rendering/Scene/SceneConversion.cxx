@@ -24,6 +24,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <sstream>
 #include <string>
 
 namespace treeamr
@@ -31,6 +33,60 @@ namespace treeamr
 
 namespace
 {
+
+Vec3 toVec3(const double v[3])
+{
+  return { v[0], v[1], v[2] };
+}
+
+std::string textOf(const double v[3])
+{
+  std::ostringstream text;
+  text << '(' << v[0] << ", " << v[1] << ", " << v[2] << ')';
+  return text.str();
+}
+
+bool areFinite(std::span<const double> numbers)
+{
+  return std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+}
+
+bool isDirection(std::span<const double, 3> v)
+{
+  return areFinite(v) && (v[0] != 0. || v[1] != 0. || v[2] != 0.);
+}
+
+/// Names what leaves no way back from the picture to the data. Others that are singular Camera refuses.
+void checkScene(vtkCamera* camera, vtkProp3D* prop)
+{
+  const std::span<const double, 3> direction(camera->GetDirectionOfProjection(), 3);
+  double across[3];
+  vtkMath::Cross(direction.data(), camera->GetViewUp(), across);
+  if (!isDirection(direction) || !isDirection(across) || !std::isfinite(camera->GetViewAngle()) ||
+    !areFinite({ camera->GetClippingRange(), 2 }))
+  {
+    std::ostringstream text;
+    text
+      << "camera: position " << textOf(camera->GetPosition()) << ", focal point "
+      << textOf(camera->GetFocalPoint()) << ", view up " << textOf(camera->GetViewUp()) << ", view angle "
+      << camera->GetViewAngle() << ", clipping range " << camera->GetClippingRange()[0] << " to "
+      << camera->GetClippingRange()[1]
+      << ": a singular view; allowed are finite numbers, and a view up that is not along the line of sight";
+    throw Error(text.str());
+  }
+  vtkMatrix4x4* const matrix = prop->GetMatrix();
+  for (int c = 0; c < 4; ++c)
+  {
+    const double column[3]{ matrix->GetElement(0, c), matrix->GetElement(1, c), matrix->GetElement(2, c) };
+    if (c < 3 ? !isDirection(column) : !areFinite(column))
+    {
+      throw Error(std::string(prop->GetClassName()) + ": its matrix is singular or not finite: scale " +
+        textOf(prop->GetScale()) + ", position " + textOf(prop->GetPosition()) + ", " +
+        (c < 3 ? std::string("data axis ") + "xyz"[c] + " becomes " : "data origin becomes ") +
+        textOf(column) + "; allowed are finite numbers, and no axis of length 0");
+    }
+  }
+}
 
 /// Transposed, as OpenGL has them.
 struct KeyMatrices
@@ -71,11 +127,6 @@ Matrix4 timesPropMatrix(vtkMatrix4x4* transposed, vtkProp3D* prop)
   return m;
 }
 
-Vec3 toVec3(const double v[3])
-{
-  return { v[0], v[1], v[2] };
-}
-
 /// What an OpenGL renderer applies to all lights but those of the scene, in view coordinates; may be null.
 vtkTransform* userLightTransform(vtkRenderer* renderer)
 {
@@ -98,6 +149,7 @@ Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop)
 
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop)
 {
+  checkScene(renderer->GetActiveCamera(), prop);
   return timesPropMatrix(keyMatrices(renderer).clipFromWorld, prop);
 }
 

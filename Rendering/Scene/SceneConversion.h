@@ -23,7 +23,8 @@ namespace treeamr
 
 /// Data coordinates to those of the view, where the eye is at the origin and looks along -z, and to clip
 /// space with z from -1 to 1: by the matrices that VTK's own mappers draw with, of the eye whose picture a
-/// stereo window draws. Throw Error for a camera that does not belong to OpenGL.
+/// stereo window draws. Throw Error for a camera that does not belong to OpenGL; the latter for a camera or a prop's
+/// matrix that is singular or not finite, too, and names why.
 Matrix4 viewFromData(vtkRenderer* renderer, vtkProp3D* prop);
 Matrix4 clipFromData(vtkRenderer* renderer, vtkProp3D* prop);
 

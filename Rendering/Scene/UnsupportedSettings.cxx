@@ -22,7 +22,7 @@ namespace
 
 struct Setting
 {
-  const char* name;
+  std::string name;
   bool isSet;
 };
 
@@ -33,7 +33,7 @@ SettingNames namesOf(std::initializer_list<Setting> settings)
   {
     if (setting.isSet)
     {
-      names.emplace_back(setting.name);
+      names.push_back(setting.name);
     }
   }
   return names;
@@ -65,6 +65,9 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
   // Asking for functions that were never set would make them; colours tell by their channels.
   const bool hasSecondComponent = anyComponent(1, [&](int i) { return property->GetColorChannels(i) != 1; });
   const bool hasWeights = anyComponent(0, [&](int i) { return property->GetComponentWeight(i) != 1.; });
+  const std::string ofComponents = "needed are VectorMode DISABLED, IndependentComponents on, an array of 2 "
+                                   "to 4 components that is no category, a "
+                                   "composite or slice BlendMode and no OpacityArrayName";
   return namesOf({
     { "Shade of categories", property->GetShade() && drawn.categories && !drawn.surfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
@@ -73,11 +76,17 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
     { "GradientOpacity of independent components", hasGradientOpacity(property) && drawn.independent },
     { "GradientOpacity with the maximum BlendMode",
       hasGradientOpacity(property) && mapper->GetBlendMode() == vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND },
+    { "InterpolationType Nearest of isosurfaces: without effect, they are those of the continuous field",
+      property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION &&
+        mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND },
     { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && drawn.surfaces },
     { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
-    { "IndependentComponents off", !property->GetIndependentComponents() && !drawn.dependent },
-    { "SetColor(1, ...)", hasSecondComponent && !drawn.independent },
-    { "ComponentWeight", hasWeights && !drawn.independent },
+    { "IndependentComponents off: without effect, needed is an array of 2 components (colour, opacity) or 4 "
+      "(red, "
+      "green, blue, opacity) that is no category, a composite or slice BlendMode and no OpacityArrayName",
+      !property->GetIndependentComponents() && !drawn.dependent },
+    { "SetColor(1, ...): without effect, " + ofComponents, hasSecondComponent && !drawn.independent },
+    { "ComponentWeight: without effect, " + ofComponents, hasWeights && !drawn.independent },
     { "LabelColor, LabelScalarOpacity, LabelGradientOpacity", property->GetNumberOfLabels() > 0 },
     { "UseClippedVoxelIntensity", property->GetUseClippedVoxelIntensity() != 0 },
     { "ScatteringAnisotropy", property->GetScatteringAnisotropy() != 0.f },

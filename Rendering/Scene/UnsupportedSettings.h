@@ -14,7 +14,7 @@ class vtkVolumeMapper;
 namespace treeamr
 {
 
-/// VTK's names of what a scene asks for in vain.
+/// VTK's names of what a scene asks for in vain; behind ": " what it would take, else there is no such thing.
 using SettingNames = std::vector<std::string>;
 
 /// What a volume mapper draws.
@@ -43,7 +43,7 @@ public:
     {
       if (said_.insert(name).second)
       {
-        warn(name + ": not implemented, without effect.");
+        warn(name + (name.find(": ") == std::string::npos ? ": not implemented, without effect." : "."));
       }
     }
   }

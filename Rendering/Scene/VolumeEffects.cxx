@@ -20,6 +20,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -169,6 +170,18 @@ HalfSpace convertSlice(vtkVolume* volume)
   vtkImplicitFunction* function = volume->GetProperty()->GetSliceFunction();
   if (vtkPlane* plane = vtkPlane::SafeDownCast(function))
   {
+    const double* const origin = plane->GetOrigin();
+    const double* const normal = plane->GetNormal();
+    const bool areFinite = std::all_of(origin, origin + 3, [](double x) { return std::isfinite(x); }) &&
+      std::all_of(normal, normal + 3, [](double x) { return std::isfinite(x); });
+    if (!areFinite || std::all_of(normal, normal + 3, [](double x) { return x == 0.; }))
+    {
+      std::ostringstream text;
+      text << "volume property: a slice function with the Origin (" << origin[0] << ", " << origin[1] << ", "
+           << origin[2] << ") and the Normal (" << normal[0] << ", " << normal[1] << ", " << normal[2]
+           << "), allowed are finite numbers, not all of the normal 0";
+      throw Error(text.str());
+    }
     return convertPlane(plane, volume);
   }
   throw Error(std::string("volume property: ") + (function ? function->GetClassName() : "no") +

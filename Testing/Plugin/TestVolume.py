@@ -132,6 +132,37 @@ grid.GetCellData().AddArray(array)
         self.representation.MapScalars = 1
         self.assertTrue(scene.close((self.picture("rgba-mapped-again"), mapped)))
 
+    def test_what_has_no_effect_is_said_once(self):
+        """Three components are no colour with an opacity; interpolation is nearest or linear."""
+        vectors = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
+import numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+array = numpy_to_vtk(numpy.ones((grid.GetNumberOfCells(), 3)), deep=1)
+array.SetName('velocity')
+grid.GetCellData().AddArray(array)
+""")
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(vectors, self.view)
+        self.representation.SetRepresentationType("Tree AMR Volume")
+        simple.ColorBy(self.representation, ("CELLS", "velocity"))
+        simple.Render(self.view)
+        owner = self.representation.GetClientSideObject().GetActiveRepresentation()
+        warnings = []
+        owner.AddObserver("WarningEvent", lambda *_: warnings.append(1))
+        for name, value in (("MapScalars", 0), ("MultiComponentsMapping", 1), ("InterpolationType", 7)):
+            with self.subTest(name=name):
+                default = getattr(self.representation, name)
+                setattr(self.representation, name, value)
+                simple.Render(self.view)
+                simple.Render(self.view)
+                self.assertEqual(1, len(warnings))
+                setattr(self.representation, name, default)
+                simple.Render(self.view)
+                self.assertEqual(1, len(warnings))
+                warnings.clear()
+
     def test_cropping(self):
         """As ParaView's Volume has it: the data's bounds, here 0 to 4, scaled and then moved."""
         self.show(opacity=0.9)

@@ -2,9 +2,11 @@
 #include "CornerArrays.h"
 #include "RenderingScene.h"
 
+#include "vtkCamera.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
 #include "vtkDoubleArray.h"
+#include "vtkMath.h"
 #include "vtkPlane.h"
 #include "vtkSphere.h"
 
@@ -224,6 +226,17 @@ TEST_F(MapperErrorsTest, sliceFunctions)
   expectVolumeError(
     { "vtkSphere", "vtkPlane" }, [&] { property->SetSliceFunction(sphere); },
     [&] { property->SetSliceFunction(plane); });
+  expectVolumeError(
+    { "slice function", "Origin (0, nan, 0)", "Normal (0, 0, 1)", "finite" },
+    [&] {
+      property->SetSliceFunction(plane);
+      plane->SetOrigin(0., vtkMath::Nan(), 0.);
+    },
+    [&] { plane->SetOrigin(0., 0., 0.); });
+  plane->SetOrigin(0., 0., 0.);
+  expectVolumeError(
+    { "slice function", "Normal (0, 0, 0)" }, [&] { plane->SetNormal(0., 0., 0.); },
+    [&] { plane->SetNormal(0., 0., 1.); });
 }
 
 TEST_F(MapperErrorsTest, samplesPerCell)
@@ -316,9 +329,29 @@ TEST_F(MapperErrorsTest, isovalueNotFinite)
 TEST_F(MapperErrorsTest, singularMatrix)
 {
   expectVolumeError(
-    { "singular" }, [&] { volume_->SetScale(1., 0., 1.); }, [&] { volume_->SetScale(1.); });
+    { "vtkVolume", "singular", "scale (1, 0, 1)", "axis y becomes (0, 0, 0)" },
+    [&] { volume_->SetScale(1., 0., 1.); }, [&] { volume_->SetScale(1.); });
   expectSurfaceError(
-    { "singular" }, [&] { surface_->SetScale(1., 0., 1.); }, [&] { surface_->SetScale(1.); });
+    { "Actor", "singular", "scale (1, 0, 1)", "axis y becomes (0, 0, 0)" },
+    [&] { surface_->SetScale(1., 0., 1.); }, [&] { surface_->SetScale(1.); });
+}
+
+TEST_F(MapperErrorsTest, camerasWithoutAView)
+{
+  volume_->VisibilityOn();
+  vtkCamera* camera = scene_.renderer->GetActiveCamera();
+  expectDirectError(
+    volumeMapper_, { "camera", "position (0, 0, 5)", "view up (0, 0, 1)", "singular" },
+    [&] {
+      camera->SetPosition(0., 0., 5.);
+      camera->SetFocalPoint(0., 0., 0.);
+      camera->SetViewUp(0., 0., 1.);
+    },
+    [&] { scene_.render(); });
+  camera->SetViewUp(0., 1., 0.);
+  MessageCounter messages(volumeMapper_);
+  scene_.render();
+  EXPECT_TRUE(messages.errors.empty());
 }
 
 TEST_F(MapperErrorsTest, missingColorArrayWarnsAndLeavesTheSolidColor)

@@ -4,6 +4,7 @@
 #include "vtkActorCollection.h"
 #include "vtkCellData.h"
 #include "vtkColorTransferFunction.h"
+#include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkPiecewiseFunction.h"
@@ -179,9 +180,12 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
     { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
     { "UseJittering", [&] { volumeMapper_->UseJitteringOn(); } },
     { "TransferFunctionMode", [&] { property->SetTransferFunctionModeTo2D(); } },
-    { "IndependentComponents", [&] { property->IndependentComponentsOff(); } },
-    { "SetColor(1, ...)", [&] { property->SetColor(1, colors); } },
-    { "ComponentWeight", [&] { property->SetComponentWeight(0, 0.5); } },
+    { "IndependentComponents off: without effect, needed is an array of 2 components",
+      [&] { property->IndependentComponentsOff(); } },
+    { "SetColor(1, ...): without effect, needed are VectorMode DISABLED",
+      [&] { property->SetColor(1, colors); } },
+    { "ComponentWeight: without effect, needed are VectorMode DISABLED",
+      [&] { property->SetComponentWeight(0, 0.5); } },
     { "LabelScalarOpacity", [&] { property->SetLabelScalarOpacity(1, function); } },
     { "UseClippedVoxelIntensity", [&] { property->UseClippedVoxelIntensityOn(); } },
     { "ScatteringAnisotropy", [&] { property->SetScatteringAnisotropy(0.5f); } },
@@ -197,6 +201,23 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
     ASSERT_EQ(messages.warnings.size(), 1u) << name;
     EXPECT_NE(messages.warnings[0].find(name), std::string::npos) << messages.warnings[0];
   }
+  EXPECT_TRUE(messages.errors.empty());
+}
+
+TEST_F(MapperSettingsTest, isosurfacesAreOfTheContinuousFieldInNearestVolumes)
+{
+  MessageCounter messages(volumeMapper_);
+  volumeMapper_->SetBlendModeToIsoSurface();
+  vtkVolumeProperty* property = volume_->GetProperty();
+  property->GetIsoSurfaceValues()->SetValue(0, 0.2);
+  const auto expected = scene_.render();
+  EXPECT_TRUE(messages.warnings.empty());
+  property->SetInterpolationTypeToNearest();
+  EXPECT_EQ(scene_.render(), expected);
+  scene_.render();
+  ASSERT_EQ(messages.warnings.size(), 1u);
+  EXPECT_NE(messages.warnings[0].find("InterpolationType Nearest"), std::string::npos)
+    << messages.warnings[0];
   EXPECT_TRUE(messages.errors.empty());
 }
 
