@@ -95,6 +95,11 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     _check("background", background, np.shape(background) == (3,) and _are_parts(background), "three numbers from 0 to 1")
     bounds = np.reshape(grid.GetBounds(), (3, 2))
     diagonal = float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
+    if not 1e-15 < diagonal < 1e15:
+        # VTK's cameras are never nearer than 1e-20, and square lengths.
+        grid = _resized(grid, bounds.mean(axis=1), 1. / (bounds[:, 1] - bounds[:, 0]).max())
+        bounds = np.reshape(grid.GetBounds(), (3, 2))
+        diagonal = float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
     function = _color_function(colors, low, high)
 
     renderer = vtkRenderer()
@@ -147,6 +152,16 @@ def _window() -> vtkRenderWindow:
         raise RuntimeError("this VTK draws with an X display and there is none: set DISPLAY, or run under xvfb-run")
     window.SetOffScreenRendering(True)
     return window
+
+
+def _resized(grid: vtkHyperTreeGrid, centre, factor: float) -> vtkHyperTreeGrid:
+    """Scaled about a centre, which becomes the origin."""
+    result = vtkHyperTreeGrid()
+    result.ShallowCopy(grid)
+    for axis, of in zip("XYZ", centre):
+        planes = vtk_to_numpy(getattr(grid, f"Get{axis}Coordinates")()).astype(np.float64)
+        getattr(result, f"Set{axis}Coordinates")(to_vtk(axis, factor * (planes - of)))
+    return result
 
 
 def _color_function(colors, low: float, high: float) -> vtkColorTransferFunction:

@@ -119,6 +119,18 @@ class TestNumpy(unittest.TestCase):
         expected = 255 * (through * np.ones(3) + (1 - through) * np.array([0.5, 0, 0.5]))
         self.assertLess(np.abs(picture[50, 50] - expected).max(), 1)
 
+    def test_pictures_do_not_depend_on_the_unit_of_length(self):
+        ijk = np.stack(np.meshgrid(*3 * [np.arange(8)], indexing="ij"), axis=-1).reshape(-1, 3)
+        for width, origin in ((1e-30, 0), (1e-30, 3e-30), (1e-18, 1e-17), (1e18, 0), (1e30, 2e30)):
+            pictures = []
+            for unit in (1., width):
+                grid = treeamr.from_cells(0, ijk, ijk.sum(axis=1) * 1.0, origin=3 * [origin / width * unit],
+                                          spacing=3 * [unit / 8])
+                pictures.append(treeamr.render(grid, isovalues=10.3, volume=True, opacity=(0, 0.3), size=(61, 61)))
+            self.assertGreater(np.ptp(pictures[0]), 100)
+            difference = np.abs(pictures[1].astype(int) - pictures[0]).max(axis=2)
+            self.assertLess((difference > 2).sum(), 10, f"{width} wide at {origin}")  # outlines
+
     def test_surfaces_have_their_colours_and_pictures_are_upright(self):
         level = np.ones(8, int)
         grid = treeamr.from_cells(level, OCTANTS, OCTANTS[:, 2] * 1.0)
