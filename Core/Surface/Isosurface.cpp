@@ -77,12 +77,31 @@ void makeRoom(LargeVector<SurfaceHit>& hits, std::size_t count)
 class TileHits
 {
 public:
-  /// Of the tile's rays; calls count(ray, how many hits it has) for each.
+  /// Lends a tile the room for it.
+  class Room
+  {
+  public:
+    Room(TileHits& hits, RayTile& tile) noexcept
+      : hits_(hits)
+      , tile_(tile)
+    {
+      hits_.found_.clear();
+      hits_.found_.swap(tile_.found);
+    }
+    ~Room() { hits_.found_.swap(tile_.found); }
+    Room(const Room&) = delete;
+    Room& operator=(const Room&) = delete;
+
+  private:
+    TileHits& hits_;
+    RayTile& tile_;
+  };
+
+  /// Of the tile that has the room; calls count(ray, how many hits it has) for each.
   template <class Count>
   void take(RayTile& tile, const Count& count)
   {
     order_.clear();
-    found_.clear();
     if (tile.count > 0 && tile.hits[0].all)
     {
       for (int ray = 0; ray < tile.count; ++ray)
@@ -93,17 +112,16 @@ public:
         }
         count(ray, tile.hits[ray].all->size());
       }
-      found_.swap(tile.found); // which its next rays clear
       return;
     }
-    found_.reserve(static_cast<std::size_t>(std::count_if(
+    tile.found.reserve(static_cast<std::size_t>(std::count_if(
       tile.hits.begin(), tile.hits.begin() + tile.count, [](const RayHits& hits) { return hits.any(); })));
     for (int ray = 0; ray < tile.count; ++ray)
     {
       const RayHits& hits = tile.hits[ray];
       if (hits.any())
       {
-        found_.push_back(hits.nearest);
+        tile.found.push_back(hits.nearest);
       }
       count(ray, std::size_t(hits.any()));
     }
@@ -415,6 +433,7 @@ void Isosurface::render(const RayView& view, SurfaceLayers layers, HitImage& ima
   }
   const auto trace = [&](int i, int j, TileHits& found) {
     RayTile& tile = impl_->tile();
+    const TileHits::Room room(found, tile);
     tile.places.withNormals = normals == SurfaceNormals::Smooth;
     std::array<std::size_t, RayTile::most> pixelOf;
     tiles.forPackets(i, j, [&](int x, int y, std::uint32_t pixels) {

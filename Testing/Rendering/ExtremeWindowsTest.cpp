@@ -514,7 +514,7 @@ TEST_F(ExtremeWindows, isovalueAtTheLeastAndGreatestValue)
     domain.center = { 0.75 * side, 0., 0. };
     lookFrom({ 0., 0.1, 0.2 }, { side, 0., 0. }, 1e-2, 5.)(scene);
     compareDepths(scene, domain);
-    domain.center = { side, 0., 0. };
+    // From outside through the outermost half cells, which are at the isovalue.
     lookFrom({ 1.5 * side, 0.1, 0.2 }, { 0., 0., 0. }, 1e-2, 5.)(scene);
     compareDepths(scene, domain, [](const Point& u) { return std::abs(u[1]) < 1. && std::abs(u[2]) < 1.; });
   }
