@@ -52,7 +52,9 @@ public:
   void Render(vtkRenderer* renderer, vtkMapper* mapper) override;
   /// Whether light comes through, whatever of the frame is drawn.
   bool IsTranslucent();
+  /// Not while a frame draws it behind what is opaque.
   vtkTypeBool HasTranslucentPolygonalGeometry() override;
+  /// Opaque surfaces, and translucent ones of a renderer in which such actors come last.
   int RenderOpaqueGeometry(vtkViewport* viewport) override;
   /// Translucent surfaces with which VTK has nothing to sort are drawn here, in the place of its translucent pass. They
   /// are no volume: always 0.
