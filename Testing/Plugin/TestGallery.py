@@ -46,7 +46,9 @@ for picture, script, text in rows:
         failures.append(f"{script} wrote no {picture}")
     elif len(numpy.unique(numpy.round(255 * load(path)).reshape(-1, 3), axis=0)) < 100:
         failures.append(f"{picture} has less than 100 colours")
-    figures.append(f'<figure><img src="{picture}" alt=""><figcaption>{html.escape(text.replace('*', ''))} <code>{script}</code></figcaption></figure>')
+    caption = html.escape(text.replace('*', ''))
+    figures.append(
+        f'<figure><img src="{picture}" alt=""><figcaption>{caption} <code>{script}</code></figcaption></figure>')
 (folder / "index.html").write_text(
     "<!DOCTYPE html><meta charset=utf-8><title>TreeAMR: gallery</title>"
     "<style>body { font-family: sans-serif; max-width: 60em; margin: auto } img { max-width: 100% }</style>\n" + "\n".join(figures))
