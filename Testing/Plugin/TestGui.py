@@ -27,7 +27,7 @@ PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "complet
             "dragged.png"]
 BLEND_MODES = ["maximum.png", "minimum.png", "average.png", "additive.png", "isosurface.png", "slice.png"]
 SESSION = ["surface.png", "volume.png", "viridis.png", "shaded.png", *BLEND_MODES, "composite.png", "cropped.png",
-           "undone.png", "undone-again.png", "redone.png", "empty.png"]
+           "undone.png", "undone-again.png", "redone.png", "empty.png", "loaded.png"]
 TELL_DISTANCE = f"""
 from paraview.simple import *
 import treeamr.vtkTreeAMRRendering
@@ -240,10 +240,11 @@ class TestSession(unittest.TestCase):
         self.assertGreater(differ(kept, background[0]), 0.3)
         self.assertLess(differ(cut, background[1]), 0.05)
 
-    def test_undo_and_redo_give_the_same_pictures(self):
+    def test_undo_redo_and_state_give_the_same_pictures(self):
         for name in ("undone.png", "undone-again.png"):
             self.assertEqual(0, differ(self.views["composite.png"], self.views[name]), name)
-        self.assertEqual(0, differ(self.views["cropped.png"], self.views["redone.png"]))
+        for name in ("redone.png", "loaded.png"):
+            self.assertEqual(0, differ(self.views["cropped.png"], self.views[name]), name)
 
     def test_trace_draws_what_was_traced(self):
         exec((SESSION_FOLDER / "trace.py").read_text(encoding="utf-8"), {})
