@@ -89,7 +89,7 @@ double Forest::countGhosts(const ForestPiece& piece) const
 
 double Forest::mostCells(const std::vector<LatticeBox>& boxes, int ranks) const
 {
-  const std::array<int, 3>& roots = RootGrid(lattice_.planes()).roots();
+  const std::array<int, 3> roots = RootGrid(lattice_.planes()).roots();
   CellHistogram histogram(roots, CellHistogram::levelFor(roots, ranks, P4estForestFile::maxLevel));
   file_.visitQuadrants([&](const TreeLeaf& leaf) {
     histogram.add(lattice_.cellOf(leaf.tree, leaf.index, leaf.level));
