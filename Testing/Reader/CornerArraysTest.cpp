@@ -16,6 +16,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkVersionMacros.h"
 
 #include <gtest/gtest.h>
 
@@ -65,6 +66,17 @@ vtkDataArray& addCorners(vtkHyperTreeGrid* grid, const Function& f, int mirrored
   grid->SetDepthLimiter(limit);
   grid->GetCellData()->AddArray(array);
   return *grid->GetCellData()->GetArray("corners");
+}
+
+/// Whether it masks its input's cells or copies those that are left.
+void setJustMask(vtkHyperTreeGridThreshold& threshold, bool justMask)
+{
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
+  threshold.SetMemoryStrategy(
+    justMask ? vtkHyperTreeGridThreshold::MaskInput : vtkHyperTreeGridThreshold::DeepThreshold);
+#else
+  threshold.SetJustCreateNewMask(justMask);
+#endif
 }
 
 Point randomPointIn(const DrawnCell& cell, std::mt19937& random)
@@ -193,7 +205,7 @@ TEST(CornerArrays, StayMarkedInFilters)
   threshold->ThresholdBetween(-0.5, 2.);
   for (const bool justMask : { true, false })
   {
-    threshold->SetJustCreateNewMask(justMask);
+    setJustMask(*threshold, justMask);
     threshold->Update();
     expectMarked(vtkHyperTreeGrid::SafeDownCast(threshold->GetOutputDataObject(0)));
   }
