@@ -133,10 +133,12 @@ def open_edges(source, low, high):
 
 
 def leaf_boxes(grid):
-    """[[xmin, ymin, zmin], [xmax, ymax, zmax]] of the leaves by their place in the cell arrays."""
+    """[[xmin, ymin, zmin], [xmax, ymax, zmax]] of the leaves, but for masked ones, by their place in the cell arrays."""
     boxes = {}
 
     def add(cursor):
+        if cursor.IsMasked():
+            return
         if cursor.IsLeaf():
             bounds = [0] * 6
             cursor.GetBounds(bounds)
@@ -158,7 +160,7 @@ def extracted(grid):
     """The leaves that Extract Selection gives. Before ParaView 5.13 it marks them; since then all others are masked."""
     if PARAVIEW < (5, 13):
         return set(numpy.nonzero(vtk_to_numpy(grid.GetCellData().GetArray("vtkInsidedness")))[0])
-    return {cell for cell in leaf_boxes(grid) if not grid.GetMask().GetValue(cell)}
+    return set(leaf_boxes(grid))
 
 
 def extracted_alone(marked):
