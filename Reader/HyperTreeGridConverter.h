@@ -88,7 +88,7 @@ VTKTREEAMRREADER_EXPORT vtkIdType globalIndex(vtkHyperTreeGrid& grid, const Cell
 
 /// Bounds (xmin, xmax, ymin, ...) of the trees that this process holds; uninitialised (1, -1, ...) when there
 /// is none or the grid is not one that acquireField() takes; of a grid with a box (GridPartition.h) what lies in it.
-/// vtkHyperTreeGrid::GetBounds() gives the whole lattice up to VTK 9.3.
+/// vtkHyperTreeGrid::GetBounds() gives the whole lattice up to VTK 9.2; 9.3 knows no bounds of mirrored grids.
 VTKTREEAMRREADER_EXPORT void computeLocalBounds(vtkHyperTreeGrid* grid, double bounds[6]);
 
 } // namespace treeamr

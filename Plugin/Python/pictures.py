@@ -93,12 +93,12 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     _check("size", size, np.shape(size) == (2,) and all(n == int(n) and 1 <= n <= 16384 for n in size),
            "(width, height), whole numbers from 1 to 16384")
     _check("background", background, np.shape(background) == (3,) and _are_parts(background), "three numbers from 0 to 1")
-    bounds = np.reshape(grid.GetBounds(), (3, 2))
+    bounds = _bounds(grid)
     diagonal = float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
     if not 1e-15 < diagonal < 1e15:
         # VTK's cameras are never nearer than 1e-20, and square lengths.
         grid = _resized(grid, bounds.mean(axis=1), 1. / (bounds[:, 1] - bounds[:, 0]).max())
-        bounds = np.reshape(grid.GetBounds(), (3, 2))
+        bounds = _bounds(grid)
         diagonal = float(np.linalg.norm(bounds[:, 1] - bounds[:, 0]))
     function = _color_function(colors, low, high)
 
@@ -152,6 +152,16 @@ def _window() -> vtkRenderWindow:
         raise RuntimeError("this VTK draws with an X display and there is none: set DISPLAY, or run under xvfb-run")
     window.SetOffScreenRendering(True)
     return window
+
+
+def _bounds(grid: vtkHyperTreeGrid) -> np.ndarray:
+    """The lowest and the highest coordinate along each axis, of shape (3, 2). VTK 9.3's own do not follow the grid's
+    coordinates."""
+    from .vtkTreeAMRRendering import vtkTreeAMRIsosurfaceMapper
+
+    mapper = vtkTreeAMRIsosurfaceMapper()
+    mapper.SetInputData(grid)
+    return np.reshape(mapper.GetBounds(), (3, 2))
 
 
 def _resized(grid: vtkHyperTreeGrid, centre, factor: float) -> vtkHyperTreeGrid:

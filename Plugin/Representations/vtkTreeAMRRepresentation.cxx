@@ -61,6 +61,18 @@ std::vector<std::string> defaultArrays(vtkHyperTreeGrid& grid)
   return names;
 }
 
+/// Whatever trees it has, and VTK's version (computeLocalBounds()).
+std::array<double, 6> latticeBounds(vtkHyperTreeGrid& grid)
+{
+  std::array<double, 6> bounds;
+  vtkDataArray* const planes[] = { grid.GetXCoordinates(), grid.GetYCoordinates(), grid.GetZCoordinates() };
+  for (int a = 0; a < 3; ++a)
+  {
+    planes[a]->GetRange(&bounds[2 * a]);
+  }
+  return bounds;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -295,11 +307,8 @@ void vtkTreeAMRRepresentation::WarnOfOtherBoxes()
       continue;
     }
     const auto theirs = treeamr::partitionOf(*other->Grid);
-    std::array<double, 6> bounds;
-    std::array<double, 6> theirBounds;
-    this->Grid->GetBounds(bounds.data());
-    other->Grid->GetBounds(theirBounds.data());
-    const bool isAlike = !theirs || (theirs->boxes == own->boxes && bounds == theirBounds);
+    const bool isAlike =
+      !theirs || (theirs->boxes == own->boxes && latticeBounds(*this->Grid) == latticeBounds(*other->Grid));
     if (!isAlike && this->SaidOfGrids.insert("boxes").second)
     {
       vtkWarningMacro(

@@ -19,6 +19,8 @@
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
+#include "HyperTreeGridConverter.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -62,7 +64,7 @@ void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
   constexpr double none = std::numeric_limits<double>::infinity();
   double local[8] = { none, none, none, none, none, none, none, none };
   double bounds[6];
-  this->Grid->GetBounds(bounds);
+  treeamr::computeLocalBounds(this->Grid, bounds);
   for (int i = 0; i < 6 && vtkMath::AreBoundsInitialized(bounds); ++i)
   {
     local[2 + i] = i % 2 == 0 ? bounds[i] : -bounds[i];
@@ -168,6 +170,18 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   }
   this->MappedInVain = inVain;
   this->Mapper->SetOpacityArrayName(this->UsesOpacityArray ? this->OpacityArray.c_str() : "");
+  // A domain of ParaView's makes it negative for a grid of which VTK 9.3 knows no bounds (computeLocalBounds()).
+  double distance = this->UnitDistance;
+  if (distance <= 0.)
+  {
+    const double* const b = this->DataBounds;
+    const double longest = std::max({ b[1] - b[0], b[3] - b[2], b[5] - b[4] });
+    distance = longest > 0. ? 0.1 * longest : 1.;
+  }
+  for (int component = 0; component < VTK_MAX_VRCOMP; ++component)
+  {
+    this->Property->SetScalarOpacityUnitDistance(component, distance);
+  }
   double planes[6];
   for (int i = 0; i < 6; ++i)
   {
@@ -198,15 +212,6 @@ void vtkTreeAMRVolumeRepresentation::SetColor(vtkColorTransferFunction* colors)
 void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opacities)
 {
   this->ScalarOpacity = opacities;
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeRepresentation::SetScalarOpacityUnitDistance(double distance)
-{
-  for (int component = 0; component < VTK_MAX_VRCOMP; ++component)
-  {
-    this->Property->SetScalarOpacityUnitDistance(component, distance);
-  }
 }
 
 //------------------------------------------------------------------------------

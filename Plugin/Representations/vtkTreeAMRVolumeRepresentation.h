@@ -33,8 +33,9 @@ public:
   void SetScalarOpacity(vtkPiecewiseFunction* opacities);
   ///@}
 
-  /// The length over which an opacity of the transfer function accumulates.
-  void SetScalarOpacityUnitDistance(double distance);
+  /// The length over which an opacity of the transfer function accumulates; 0 or less: a tenth of the data's longest
+  /// side.
+  void SetScalarOpacityUnitDistance(double distance) { this->UnitDistance = distance; }
   ///@{
   /// What rays make of the volume, and surfaces of the drawn array's values, alone (vtkVolumeMapper::ISOSURFACE_BLEND)
   /// or inside a composite; see vtkTreeAMRVolumeMapper.
@@ -140,6 +141,7 @@ private:
   bool HasSurfaces();
   double GetStatistic(const char* name);
 
+  double UnitDistance = 1.;
   bool UsesOpacityArray = false;
   bool MapsScalars = true;
   std::string MappedInVain; // array of which that was said
