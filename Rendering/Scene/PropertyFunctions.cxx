@@ -86,6 +86,12 @@ double OpacitySegments::at(double value) const
   return std::lerp(a[1], b[1], std::clamp((value - a[0]) / (b[0] - a[0]), 0., 1.));
 }
 
+double OpacitySegments::atNode(std::size_t i) const
+{
+  const bool isWithinLine = isInside_ && i + 1 < nodes_.size() && nodes_[i + 1][0] > nodes_[i][0];
+  return isWithinLine ? nodes_[i][1] : function_->GetValue(nodes_[i][0]);
+}
+
 ColorSegments::ColorSegments(vtkColorTransferFunction* function, double min, double max)
   : function_(function)
   , space_(spaceOf(function))
@@ -248,6 +254,7 @@ void PropertyFunctions::choose(double end)
       functions.choose(next);
     }
   };
+  end_ = end;
   chooseIn(opacities_, nextOpacity_);
   grays_ ? chooseIn(*grays_, nextColor_) : chooseIn(*colors_, nextColor_);
 }
@@ -259,19 +266,26 @@ void PropertyFunctions::restart()
   grays_ ? grays_->choose(0) : colors_->choose(0);
 }
 
+double PropertyFunctions::valueOf(
+  const OpacitySegments& functions, std::size_t next, double relative) const
+{
+  const bool isNode =
+    relative == end_ && next < functions.count() && functions.node(next) - offset_ == end_;
+  return isNode ? functions.atNode(next) : functions.at(offset_ + relative);
+}
+
 PropertyFunctions::Sample PropertyFunctions::at(double relative) const
 {
-  const double value = offset_ + relative;
   ColorSegments::Color color;
   if (grays_)
   {
-    color.fill(grays_->at(value));
+    color.fill(valueOf(*grays_, nextColor_, relative));
   }
   else
   {
-    color = colors_->at(value);
+    color = colors_->at(offset_ + relative);
   }
-  const double opacity = opacities_.at(value);
+  const double opacity = opacityAt(relative);
   return { relative, opacity,
     { static_cast<float>(color[0]), static_cast<float>(color[1]), static_cast<float>(color[2]),
       TransferFunction::extinctionFromOpacity(opacity, unitDistance_) } };

@@ -33,6 +33,8 @@ public:
   /// Whether these are a line.
   bool isLine() const { return isLine_; }
   double at(double value) const;
+  /// At node i, which exists. Of a jump there, as at ends without clamping, VTK's versions take either side.
+  double atNode(std::size_t i) const;
 
 private:
   vtkPiecewiseFunction* function_;
@@ -112,8 +114,9 @@ public:
     double opacity;
     TransferFunction::Entry entry;
   };
+  /// For the chosen values; at their end itself what VTK has on a node there.
   Sample at(double relative) const;
-  double opacityAt(double relative) const { return opacities_.at(offset_ + relative); }
+  double opacityAt(double relative) const { return valueOf(opacities_, nextOpacity_, relative); }
 
   bool areColorsLines() const { return grays_ ? grays_->isLine() : colors_->isLine(); }
   /// Whether colours are curves anywhere.
@@ -129,11 +132,14 @@ public:
   double rounding() const;
 
 private:
+  double valueOf(const OpacitySegments& functions, std::size_t next, double relative) const;
+
   OpacitySegments opacities_;
   std::optional<OpacitySegments> grays_;
   std::optional<ColorSegments> colors_;
   std::size_t nextOpacity_ = 0;
   std::size_t nextColor_ = 0;
+  double end_ = 0.;
   double offset_;
   double unitDistance_;
 };

@@ -189,15 +189,18 @@ TEST_F(TransferFunctionTest, nothingOutsideWithoutClamping)
   for (const Range data : { Range{ -10.f, 10.f }, Range{ 0.f, 4.5f }, Range{ 1.f, 4.f } })
   {
     const TransferFunction table = convertTransferFunction(property, data);
-    EXPECT_EQ(table.at(0.98f).extinction, 0.f);
+    if (data.min < 1.f)
+    {
+      EXPECT_EQ(table.at(0.98f).extinction, 0.f);
+      EXPECT_FALSE(table.isVisible({ -10.f, 0.98f }));
+    }
     if (data.max > 4.f)
     {
       EXPECT_EQ(table.at(4.02f).extinction, 0.f);
     }
-    EXPECT_FALSE(table.isVisible({ -10.f, 0.98f }));
     expectEntry(table, 1.01, resolution);
     expectEntry(table, 3.99, resolution);
-    // On the last nodes themselves: VTK has nothing on the first one.
+    // On the last nodes themselves VTK has nothing at one of the two: on the first one up to 9.2, then on the last.
     expectEntry(table, 1., resolution);
     expectEntry(table, 4., resolution);
   }
