@@ -270,8 +270,7 @@ TEST(FromUnstructured, RootsAreJoinedWhileTheirNumbersAreEvenOrLarge)
       EXPECT_EQ(dimensions[a], joined[a] + 1u);
     }
     // The ends are the cells' own coordinates.
-    double bounds[6];
-    result.grid->GetBounds(bounds);
+    const std::array<double, 6> bounds = latticeBounds(result.grid);
     EXPECT_EQ(bounds[0], 0.1);
     const bool many = roots[0] == 43; // so that they are joined though their numbers are odd
     EXPECT_DOUBLE_EQ(bounds[1], 0.1 + (roots[0] + many) * 0.1);

@@ -394,6 +394,17 @@ void addRandomMask(vtkHyperTreeGrid* grid, double probability, std::uint32_t see
   grid->SetMask(mask);
 }
 
+std::array<double, 6> latticeBounds(vtkHyperTreeGrid* grid)
+{
+  std::array<double, 6> bounds;
+  vtkDataArray* const planes[]{ grid->GetXCoordinates(), grid->GetYCoordinates(), grid->GetZCoordinates() };
+  for (int a = 0; a < 3; ++a)
+  {
+    planes[a]->GetRange(&bounds[2 * a]);
+  }
+  return bounds;
+}
+
 std::vector<DrawnCell> drawnCells(vtkHyperTreeGrid* grid, const std::string& array, int component)
 {
   const unsigned int depthLimit = grid->GetDepthLimiter();

@@ -61,6 +61,9 @@ struct DrawnCell
   bool ghost = false;
 };
 
+/// Of the coordinates, whatever trees there are: xmin, xmax, ymin ... VTK's own GetBounds() is that up to 9.2.
+std::array<double, 6> latticeBounds(vtkHyperTreeGrid* grid);
+
 /// What is to be drawn of a grid, found with VTK's cursors, sorted by bounds. component < 0: the magnitude.
 std::vector<DrawnCell> drawnCells(vtkHyperTreeGrid* grid, const std::string& array, int component = -1);
 /// The leaves of a field's octree, sorted by bounds.
