@@ -4,6 +4,7 @@
 #include "Interpolation/BlockCache.h"
 #include "Progress.h"
 #include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/ShadowLattice.h"
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/blocked_range2d.h>
@@ -70,6 +71,19 @@ void check(const VolumeShading& shading)
   {
     throw Error("volume: a specular power of " + std::to_string(shading.specularPower) +
       ", allowed are finite numbers from 0 on");
+  }
+  if (shading.scattering)
+  {
+    const VolumeScattering& scattering = *shading.scattering;
+    const bool isAllowed = scattering.blending > 0.f && scattering.blending <= 2.f && scattering.reach >= 0. &&
+      std::abs(scattering.anisotropy) < 1.f && scattering.sampleLength >= 0.;
+    if (!isAllowed)
+    {
+      throw Error("volume: scattered light with a blending of " + std::to_string(scattering.blending) +
+        ", a reach of " + std::to_string(scattering.reach) + ", an anisotropy of " +
+        std::to_string(scattering.anisotropy) + " and samples of " + std::to_string(scattering.sampleLength) +
+        ", allowed are a blending above 0 up to 2, lengths from 0 on, and an anisotropy between -1 and 1");
+    }
   }
   for (const Light& light : shading.lights)
   {
@@ -221,6 +235,7 @@ void Volume::setTransferFunction(TransferFunction transferFunction)
   }
   transferFunction_ = std::move(transferFunction);
   table_ = nullptr;
+  shadows_ = nullptr;
   if (mixture_ && mixture_->mixing == VolumeMixing::Independent)
   {
     mixture_->parts[0].function = transferFunction_;
@@ -329,7 +344,8 @@ void Volume::setKeptBytes(std::size_t bytes)
 
 std::size_t Volume::keptBytes() const noexcept
 {
-  std::size_t bytes = (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0);
+  std::size_t bytes = (kept_ ? kept_->byteSize() : 0) + (keptGradients_ ? keptGradients_->byteSize() : 0) +
+    (shadows_ ? shadows_->byteSize() : 0);
   for (std::size_t i = 0; mixture_ && i < mixture_->parts.size(); ++i)
   {
     bytes += mixture_->parts[i].kept ? mixture_->parts[i].kept->byteSize() : 0;
@@ -427,7 +443,28 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   {
     table_->integrate(transferFunction_);
   }
+  scatter(settings, scene);
   return scene;
+}
+
+/// Shadows take memory while frames use them alone.
+void Volume::scatter(const VolumeSettings& settings, VolumeKernelScene& scene)
+{
+  if (!scene.illumination || !scene.illumination->shades || !settings.shading->scattering)
+  {
+    shadows_ = nullptr;
+    return;
+  }
+  if (!shadows_ || shadows_->gradientOpacity() != settings.gradientOpacity)
+  {
+    table_->integrate(transferFunction_);
+    shadows_ = std::make_unique<ShadowLattice>(
+      *field_, transferFunction_, *table_->integrals, settings.gradientOpacity);
+  }
+  const VolumeScattering& scattering = *settings.shading->scattering;
+  shadows_->illuminate(scene.illumination->sources(settings.shading->lightsFromData), scattering.reach,
+    scene.dataScale / scene.scale);
+  scene.illumination->scatter(scattering, *shadows_, scene);
 }
 
 VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& settings, Image& image)

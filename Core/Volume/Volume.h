@@ -19,6 +19,7 @@ namespace treeamr
 
 class BlockCache;
 class GradientCache;
+class ShadowLattice;
 class VolumeTable;
 struct VolumeKernelScene;
 
@@ -112,6 +113,7 @@ private:
   void checkPart(const std::shared_ptr<const Field>& field, const TransferFunction& function) const;
   void mix(Mixture mixture);
   VolumeKernelScene makeScene(const RayView& view, const VolumeSettings& settings, Image* image);
+  void scatter(const VolumeSettings& settings, VolumeKernelScene& scene);
 
   std::shared_ptr<const Field> field_;
   TransferFunction transferFunction_;
@@ -119,6 +121,7 @@ private:
   std::size_t budget_;                           // of bytes, for values
   std::unique_ptr<BlockCache> kept_;             // null: no frame has been rendered
   std::unique_ptr<GradientCache> keptGradients_; // null: the last frame was not lit
+  std::unique_ptr<ShadowLattice> shadows_;       // null: the last frame scattered no light
   std::unique_ptr<Mixture> mixture_;             // null: the transfer function's colours alone
 };
 

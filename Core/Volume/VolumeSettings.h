@@ -35,6 +35,22 @@ constexpr bool blendsValues(VolumeBlend blend) noexcept
   return blend != VolumeBlend::Composite && blend != VolumeBlend::Slice;
 }
 
+/// What a volume scatters of the light of all of its lights, wherever its gradient points: in place of some of what it
+/// reflects, and dimmed by what lies on the way from the light. As of VTK's GPU mapper (its VolumetricScatteringBlending
+/// and GlobalIlluminationReach).
+struct VolumeScattering
+{
+  /// Above 0, at most 2. Up to 1: the part of light that is scattered where little is opaque, and less of what is; from
+  /// there to 2, all.
+  float blending = 2.f;
+  /// Longest way towards a light that dims it, where the domain is a cube of width 1.
+  double reach = 2.;
+  /// Of Henyey and Greenstein's phase function, above -1 and below 1: more forward where it is positive.
+  float anisotropy = 0.f;
+  /// In the world, over which the blending counts opacities.
+  double sampleLength = 1.;
+};
+
 /// How a volume reflects light: at each sample by the field's gradient there, which is continuous where cells of
 /// different sizes meet. Where the field is flat there is the ambient term alone.
 struct VolumeShading
@@ -49,6 +65,7 @@ struct VolumeShading
   Matrix4 lightsFromData{ 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1. }; // affine
   /// Whether light also falls on sides whose values fall the way it travels.
   bool twoSided = true;
+  std::optional<VolumeScattering> scattering{};
 };
 
 /// By which a sample's extinction is multiplied: a function of the length of the gradient, per unit of data
@@ -58,6 +75,8 @@ struct GradientOpacity
   double longest = 1.; // gradient, above 0
   /// Two or more in [0, 1], equally spaced from no gradient to the longest: linear in between, constant beyond.
   std::vector<float> entries;
+
+  bool operator==(const GradientOpacity&) const = default;
 };
 
 /// Of a frame.

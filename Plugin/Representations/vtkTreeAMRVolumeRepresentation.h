@@ -55,6 +55,12 @@ public:
   ///@{
   /// The light of the volume, and of its isosurfaces.
   void SetShade(bool shade) { this->Property->SetShade(shade); }
+  void SetAnisotropy(float anisotropy) { this->Property->SetScatteringAnisotropy(anisotropy); }
+  void SetVolumetricScatteringBlending(float blending)
+  {
+    this->Mapper->SetVolumetricScatteringBlending(blending);
+  }
+  void SetGlobalIlluminationReach(float reach) { this->Mapper->SetGlobalIlluminationReach(reach); }
   void SetAmbient(double coefficient) { this->Property->SetAmbient(coefficient); }
   void SetDiffuse(double coefficient) { this->Property->SetDiffuse(coefficient); }
   void SetSpecular(double coefficient) { this->Property->SetSpecular(coefficient); }

@@ -176,6 +176,8 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "AmbientOcclusionSamples: " << this->AmbientOcclusionSamples << endl;
   os << indent << "AmbientOcclusionRadius: " << this->AmbientOcclusionRadius << endl;
   os << indent << "Shadows: " << this->Shadows << endl;
+  os << indent << "VolumetricScatteringBlending: " << this->VolumetricScatteringBlending << endl;
+  os << indent << "GlobalIlluminationReach: " << this->GlobalIlluminationReach << endl;
   os << indent << "Statistics:" << endl;
   vtkTable* statistics = this->GetStatistics();
   for (vtkIdType i = 0; i < statistics->GetNumberOfColumns(); ++i)
@@ -257,6 +259,8 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetAmbientOcclusionSamples(other->AmbientOcclusionSamples);
     this->SetAmbientOcclusionRadius(other->AmbientOcclusionRadius);
     this->SetShadows(other->Shadows);
+    this->SetVolumetricScatteringBlending(other->VolumetricScatteringBlending);
+    this->SetGlobalIlluminationReach(other->GlobalIlluminationReach);
   }
 }
 
@@ -357,7 +361,9 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
          std::pair("final color window", this->FinalColorWindow),
          std::pair("final color level", this->FinalColorLevel),
          std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale),
-         std::pair("ambient occlusion radius", this->AmbientOcclusionRadius) })
+         std::pair("ambient occlusion radius", this->AmbientOcclusionRadius),
+         std::pair("volumetric scattering blending", static_cast<double>(this->VolumetricScatteringBlending)),
+         std::pair("global illumination reach", static_cast<double>(this->GlobalIlluminationReach)) })
   {
     if (std::isnan(value)) // passes VTK's clamping
     {
@@ -382,7 +388,7 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
   const bool areIndependent = components == Components::Independent;
   treeamr::SettingNames names = treeamr::unsupportedSettings(volume, this,
     { hasCategories, hasSurfaces, canMix && components != Components::One && !areIndependent,
-      canMix && areIndependent });
+      canMix && areIndependent, this->VolumetricScatteringBlending > 0.f });
   if (areIndependent && this->ShowsVolume() && !canMix)
   {
     names.emplace_back(

@@ -281,6 +281,18 @@ public:
   vtkBooleanMacro(Shadows, bool);
   ///@}
 
+  ///@{
+  /// Scattered light of a shaded volume, with shadows of the volume on itself, as of vtkGPUVolumeRayCastMapper (limits and
+  /// defaults, too): how much of its light it is, from 0 (default: none) over 1 (least where it is opaque) to 2 (all); and
+  /// how far shadows reach, from 0 (default: hardly) to 1 (all through the volume). The property's ScatteringAnisotropy
+  /// counts. Of composites and slices; shadows are as sharp as a 96th of the longest edge of the data's bounds, and of what
+  /// this process holds.
+  vtkSetClampMacro(VolumetricScatteringBlending, float, 0.f, 2.f);
+  vtkGetMacro(VolumetricScatteringBlending, float);
+  vtkSetClampMacro(GlobalIlluminationReach, float, 0.f, 1.f);
+  vtkGetMacro(GlobalIlluminationReach, float);
+  ///@}
+
   /// What there is, and what the last frame did: one row with these columns. Counts and bytes are 64-bit
   /// integers, the rest doubles; all are 0 before the first Render().
   ///   Cells, OctreeBytes: of the field in use; octree, values, means and ranges
@@ -369,6 +381,8 @@ protected:
   int AmbientOcclusionSamples = 0;
   double AmbientOcclusionRadius = 0.05;
   bool Shadows = false;
+  float VolumetricScatteringBlending = 0.f;
+  float GlobalIlluminationReach = 0.f;
 
 private:
   struct Internals;

@@ -68,6 +68,9 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
   const std::string ofComponents = "needed are VectorMode DISABLED, IndependentComponents on, an array of 2 "
                                    "to 4 components that is no category, a "
                                    "composite or slice BlendMode and no OpacityArrayName";
+  const int blend = mapper->GetBlendMode();
+  const bool hasOtherBlend =
+    blend != vtkVolumeMapper::COMPOSITE_BLEND && blend != vtkVolumeMapper::SLICE_BLEND;
   return namesOf({
     { "Shade of categories", property->GetShade() && drawn.categories && !drawn.surfaces },
     { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
@@ -89,7 +92,11 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
     { "ComponentWeight: without effect, " + ofComponents, hasWeights && !drawn.independent },
     { "LabelColor, LabelScalarOpacity, LabelGradientOpacity", property->GetNumberOfLabels() > 0 },
     { "UseClippedVoxelIntensity", property->GetUseClippedVoxelIntensity() != 0 },
-    { "ScatteringAnisotropy", property->GetScatteringAnisotropy() != 0.f },
+    { "ScatteringAnisotropy: without effect, needed are Shade and VolumetricScatteringBlending",
+      property->GetScatteringAnisotropy() != 0.f && !(drawn.scatters && property->GetShade()) },
+    { "VolumetricScatteringBlending: without effect, needed is Shade", drawn.scatters && !property->GetShade() },
+    { "VolumetricScatteringBlending of BlendModes but composite and slice",
+      drawn.scatters && property->GetShade() && hasOtherBlend },
     { "ShaderProperty", hasShaderCode(volume) },
   });
 }

@@ -217,6 +217,27 @@ HalfSpace insideOfFaces(HalfSpace slice, const Bounds& domain)
   return slice;
 }
 
+VolumeScattering convertScattering(vtkVolumeProperty* property, const Field& field, float blending,
+  float globalIlluminationReach, double sampleDistance)
+{
+  VolumeScattering scattering;
+  scattering.blending = blending;
+  scattering.sampleLength = sampleDistance > 0. ? sampleDistance : finestWidth(field);
+  const Bounds bounds = field.octree().grid().bounds();
+  double longest = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    longest = std::max(longest, bounds.max[a] - bounds.min[a]);
+  }
+  // Between a sample's length and the diagonal of the cube.
+  const double most = std::sqrt(3.);
+  const double least = std::min(scattering.sampleLength / longest, most);
+  scattering.reach = most + (least - most) * std::pow(1. - globalIlluminationReach, 0.33);
+  constexpr float extreme = 0.999f; // beyond, one direction has all of the light
+  scattering.anisotropy = std::clamp(property->GetScatteringAnisotropy(), -extreme, extreme);
+  return scattering;
+}
+
 VolumeSettings convertVolumeEffects(
   vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field, int component)
 {

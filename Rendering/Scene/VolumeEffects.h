@@ -45,7 +45,11 @@ HalfSpace insideOfFaces(HalfSpace slice, const Bounds& domain);
 /// changes nothing).
 void applyColorWindow(double window, double level, Image& image);
 
-/// All of these but the last. component: whose unit distance counts.
+/// As VTK's GPU mapper has it of its settings and the property. sampleDistance: 0 or less: the width of the finest cells.
+VolumeScattering convertScattering(vtkVolumeProperty* property, const Field& field, float blending,
+  float globalIlluminationReach, double sampleDistance);
+
+/// All of these but the last two. component: whose unit distance counts.
 VolumeSettings convertVolumeEffects(
   vtkRenderer* renderer, vtkVolume* volume, vtkVolumeMapper* mapper, const Field& field, int component);
 

@@ -82,8 +82,15 @@ Image exactSlice(const std::shared_ptr<const Field>& field, InterpolationMethod 
   for (int i = 0; i < width * height; ++i)
   {
     const Ray ray = camera.ray(i % width, i / width);
+    Vec3 point = pointAt(ray, placeOf(plane, camera, ray));
+    for (int a = 0; a < 3; ++a)
+    {
+      // Rounding would choose one of the sides of what is in a face.
+      const bool isAcross = plane.normal[a] * plane.normal[a] == dot(plane.normal, plane.normal);
+      point[a] = isAcross && std::isfinite(point[a]) ? plane.offset / plane.normal[a] : point[a];
+    }
     FieldSample sample;
-    if (sampler->sampleRelative(pointAt(ray, placeOf(plane, camera, ray)), sample))
+    if (sampler->sampleRelative(point, sample))
     {
       const auto rgba = rgbaOf(function.at(static_cast<float>(sample.value)));
       std::copy(rgba.begin(), rgba.end(), image.rgba.begin() + 4 * i);
@@ -125,13 +132,13 @@ TEST(VolumeSlice, ShowsTheFieldInThePlane)
       const Camera camera(view.clip, identityMatrix, width, height);
       for (const HalfSpace& plane : planes())
       {
-        // What is in a face belongs to either side, of which one may be missing.
-        const bool isInFaces = plane.normal[0] == 0. || std::string(view.name) == "along an axis";
+        // A ray in a face belongs to either side, of which one may be missing.
+        const bool areInFaces = std::string(view.name) == "along an axis";
         for (const TransferFunction& function : { colors(), peak })
         {
           const Image expected = exactSlice(field, InterpolationMethod::GTI, function, plane, camera);
           const bool isSeen = *std::max_element(expected.rgba.begin(), expected.rgba.end()) > 0.2f;
-          if (isSeen && !(isInFaces && missing > 0.))
+          if (isSeen && !(areInFaces && missing > 0.))
           {
             expectPicture(field, function, camera, {}, sliceBy(plane), expected, view.name);
           }

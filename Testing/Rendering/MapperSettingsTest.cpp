@@ -188,7 +188,9 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
       [&] { property->SetComponentWeight(0, 0.5); } },
     { "LabelScalarOpacity", [&] { property->SetLabelScalarOpacity(1, function); } },
     { "UseClippedVoxelIntensity", [&] { property->UseClippedVoxelIntensityOn(); } },
-    { "ScatteringAnisotropy", [&] { property->SetScatteringAnisotropy(0.5f); } },
+    { "ScatteringAnisotropy: without effect", [&] { property->SetScatteringAnisotropy(0.5f); } },
+    { "VolumetricScatteringBlending: without effect, needed is Shade",
+      [&] { volumeMapper_->SetVolumetricScatteringBlending(1.f); } },
     { "ShaderProperty",
       [&] { volume_->GetShaderProperty()->AddFragmentShaderReplacement("//VTK::Color", true, "//", true); } },
   };

@@ -5,6 +5,7 @@
 
 #include "vtkCamera.h"
 #include "vtkContourValues.h"
+#include "vtkGPUVolumeRayCastMapper.h"
 #include "vtkLight.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkPlane.h"
@@ -104,6 +105,44 @@ TEST_F(VolumeEffectsTest, positionalLightsAsVTKButForHighlights)
   light->SetConeAngle(25.);
   light->SetExponent(2.);
   EXPECT_LT(pair.difference(), tolerance) << "cone";
+}
+
+// VTK's shadow rays take jittered samples.
+TEST_F(VolumeEffectsTest, scatteredLightAsVTK)
+{
+  VolumePair pair;
+  setLight(pair.property());
+  const auto scattering = [](float blending, float reach) {
+    return [=](vtkVolumeMapper* mapper) {
+      if (auto own = vtkTreeAMRVolumeMapper::SafeDownCast(mapper))
+      {
+        own->SetVolumetricScatteringBlending(blending);
+        own->SetGlobalIlluminationReach(reach);
+        own->SetSampleDistance(0.005);
+      }
+      if (auto vtk = vtkGPUVolumeRayCastMapper::SafeDownCast(mapper))
+      {
+        vtk->SetVolumetricScatteringBlending(blending);
+        vtk->SetGlobalIlluminationReach(reach);
+        vtk->UseJitteringOn();
+      }
+    };
+  };
+  EXPECT_LT(pair.difference(scattering(2.f, 0.6f)), tolerance) << "headlight";
+  EXPECT_LT(pair.difference(scattering(1.f, 1.f)), tolerance) << "headlight, both kinds of light";
+  vtkRenderer* renderer = pair.scene.renderer;
+  renderer->AutomaticLightCreationOff();
+  renderer->RemoveAllLights();
+  vtkLight* light = addLight(renderer, VTK_LIGHT_TYPE_SCENE_LIGHT, { 2., 3., 4. }, { 0.9, 0.7, 0.5 });
+  EXPECT_LT(pair.difference(scattering(2.f, 1.f)), tolerance) << "scene light";
+  EXPECT_LT(pair.difference(scattering(2.f, 0.f)), tolerance) << "scene light, hardly a shadow";
+  EXPECT_LT(pair.difference(scattering(0.5f, 1.f)), tolerance) << "scene light, little of it";
+  pair.property()->SetScatteringAnisotropy(0.4f);
+  EXPECT_LT(pair.difference(scattering(1.5f, 1.f)), tolerance) << "anisotropic";
+  light->SetPositional(true);
+  light->SetPosition(1.5, 1.5, 2.);
+  light->SetConeAngle(180.);
+  EXPECT_LT(pair.difference(scattering(2.f, 1.f)), tolerance) << "positional light";
 }
 
 TEST_F(VolumeEffectsTest, gradientOpacityAsVTK)

@@ -559,6 +559,29 @@ float IntegralTable::finestStep(double firstPlace, double lastPlace) const noexc
   return std::max(least, 0.f);
 }
 
+double IntegralTable::meanExtinction(double firstPlace, double lastPlace) const noexcept
+{
+  struct End
+  {
+    double own;
+    double sum;
+  };
+  const auto endAt = [this](double place) {
+    const std::size_t row = this->rowOf(place);
+    const Row& function = rows_[row];
+    const double inRow = place - places_[row];
+    const double own = function.own[3] + function.slope[3] * inRow;
+    return End{ own, static_cast<double>(function.sum[3]) + function.rest[3] + 0.5 * inRow * (function.own[3] + own) };
+  };
+  const End first = endAt(firstPlace);
+  const End last = endAt(lastPlace);
+  // Sums of two floats leave their differences fewer digits than places have.
+  const double width = lastPlace - firstPlace;
+  constexpr double narrowest = 0x1p-24;
+  const bool isWide = width > narrowest * std::max(std::abs(firstPlace), std::abs(lastPlace));
+  return unscale_ * std::max(isWide ? (last.sum - first.sum) / width : 0.5 * (first.own + last.own), 0.);
+}
+
 std::size_t IntegralTable::rowOf(double place) const noexcept
 {
   const auto begin = places_.begin() + 1;

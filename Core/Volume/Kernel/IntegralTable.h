@@ -42,6 +42,8 @@ public:
   double placesPerValue() const noexcept { return scale_; }
   /// The row of a place: how many nodes lie there or below it.
   std::size_t rowOf(double place) const noexcept;
+  /// Mean extinction, as of entries, over all values between two places.
+  double meanExtinction(double firstPlace, double lastPlace) const noexcept;
   /// Sum of the changes of a term, whichever changes most, from a row on to before another one; of those that share with
   /// them, too.
   double variation(std::size_t firstRow, std::size_t endRow) const noexcept

@@ -184,6 +184,7 @@ protected:
   using Intervals::blends_;
   using Intervals::countSamplesOf;
   using Intervals::depthPerExtinction;
+  using Intervals::finishSteps;
   using Intervals::finishWhere;
   using Intervals::lightingOf;
   using Intervals::statistics_;
@@ -264,7 +265,7 @@ private:
       hn::Store(light.red, d, red_ + ray);
       hn::Store(light.green, d, green_ + ray);
       hn::Store(light.blue, d, blue_ + ray);
-      finishWhere(hn::Gt(light.opacity, hn::Set(d, opaque_)), ray);
+      finishSteps(light.opacity, crosses, ray);
     }
     if constexpr (isExtreme)
     {
@@ -333,7 +334,7 @@ private:
     {
       const Reals<Real> middle = hn::Mul(hn::Add(part.begin, part.end), hn::Set(d, Real(0.5)));
       const Spot<Real> spot{ part.centre, { hn::Zero(d), hn::Zero(d), hn::Zero(d) } };
-      const auto effect = lighting.at(spot, hn::Sub(middle, begin));
+      const auto effect = lighting.at(spot, hn::Sub(middle, begin), extinction);
       extinction = hn::Mul(extinction, effect.opacity);
       lighting.shade(effect, hn::Set(d, Real(1)), color);
     }

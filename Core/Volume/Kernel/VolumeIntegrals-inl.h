@@ -303,15 +303,17 @@ HWY_INLINE Reals<Real> turningPoint(const IntegralTable& table, const Places<Rea
 
 /// The light of a step's halves and of its whole: that of its middle, unless nothing is seen there.
 template <class Real, class Lighting>
-HWY_INLINE void lightMeans(const Lighting& lighting, const Span<Real>& span, Reals<Real> middle,
-  const Lattice<Real>& lattice, Reals<Real> (&mean)[3][4])
+HWY_INLINE void lightMeans(const IntegralTable& table, const Lighting& lighting, const Span<Real>& span,
+  Reals<Real> middle, const Lattice<Real>& lattice, Reals<Real> (&mean)[3][4])
 {
   const RealTag<Real> d;
   if (hn::AllFalse(d, hn::Gt(hn::Max(mean[0][3], mean[1][3]), hn::Zero(d))))
   {
     return;
   }
-  const auto effect = lighting.at(locate(span, middle, lattice), hn::Mul(middle, span.step));
+  const Reals<Real> extinction =
+    hn::Mul(mean[2][3], hn::Set(d, static_cast<Real>(std::numbers::log2e * table.unscale())));
+  const auto effect = lighting.at(locate(span, middle, lattice), hn::Mul(middle, span.step), extinction);
   for (auto& terms : mean)
   {
     Reals<Real> color[3] = { terms[0], terms[1], terms[2] };
@@ -460,7 +462,7 @@ HWY_INLINE std::uint64_t takeIntegrals(const IntegralTable& table, const Span<Re
     const bool crossesRows = meansOfStep(table, before, middle, after, sumsAfter, mean);
     if constexpr (Lighting::isLit)
     {
-      lightMeans(lighting, span, ends[0], lattice, mean);
+      lightMeans(table, lighting, span, ends[0], lattice, mean);
     }
     const Reals<Real> halfDepth = hn::Mul(halfSize, depthPerSample);
     const Emission<Real> first = emission<Real>(mean[0], halfDepth, light.transmittance);

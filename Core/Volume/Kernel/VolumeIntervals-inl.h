@@ -336,7 +336,14 @@ protected:
     hn::Store(light.red, d, red_ + ray);
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
-    finishWhere(hn::Gt(light.opacity, hn::Set(d, opaque_)), ray);
+    finishSteps(light.opacity, crosses, ray);
+  }
+
+  /// Ends rays from `ray` on that have no light left, or have met what there is of a slice.
+  HWY_INLINE void finishSteps(Reals<Real> opacity, Mask<Real> crosses, int ray)
+  {
+    const Mask<Real> isOpaque = hn::Gt(opacity, hn::Set(RealTag<Real>(), opaque_));
+    finishWhere(isLit && scene_.features.slicesFaces ? hn::Or(isOpaque, crosses) : isOpaque, ray);
   }
 
   /// Of steps of t: a slice counts as the unit distance.

@@ -4,6 +4,7 @@
 #include "Interpolation/BlockCache.h"
 #include "Interpolation/GradientCache.h"
 #include "Volume/Kernel/VolumeTable.h"
+#include "Volume/ShadowLattice.h"
 #include "Volume/Volume.h"
 
 #include <algorithm>
@@ -42,6 +43,7 @@ struct SceneFeatures
   bool constants = false;      // each leaf is one: of categories, and where nothing is reconstructed
   bool means = false;          // nodes may be drawn from their means
   bool slices = false;         // rays are where they meet a plane alone; of lit loops
+  bool slicesFaces = false;    // it is one in which cells may meet: what it shows is of either side
 };
 
 struct VolumeKernelScene;
@@ -95,6 +97,21 @@ struct KernelLight
   Vec3 attenuation;
   Vec3 diffuse;
   Vec3 specular;
+  const float* transmittance = nullptr; // at a ShadowLattice's nodes; null: nothing dims it
+};
+
+/// VolumeScattering in the kernel's terms.
+struct KernelScattering
+{
+  double blending;           // 0 to 1
+  double depthPerExtinction; // of entries, over the length that opacities count for it
+  double anisotropy;
+  ///@{
+  /// A ShadowLattice's nodes, of which the first one is at 0, and the kernel's origin in its cells.
+  std::array<int, 3> nodes;
+  Vec3 cellsPerUnit;
+  Vec3 reference;
+  ///@}
 };
 
 /// VolumeShading and GradientOpacity in the kernel's terms. Points and lights are in the lights' coordinates, in units
@@ -110,9 +127,11 @@ struct VolumeIllumination
   bool needsPoints = false; // for more than the way that rays go
   bool seesAlongRays = false;
   double ambient = 0.;
+  double unit = 1.; // of the lights' coordinates, in the kernel
   Vec3 ambientLight{};
   Falloff ofHighlights{ 1. };
   std::vector<KernelLight> lights;
+  std::optional<KernelScattering> scattering;
   std::array<Vec3, 3> normalFromGradient{};              // rows; up to a positive factor
   std::array<std::array<double, 4>, 3> viewFromKernel{}; // rows
   const float* gradientOpacity;                          // null: none
@@ -120,9 +139,14 @@ struct VolumeIllumination
   double lastEntry = 0.;
   double hiddenLength = -1.; // of gradients up to which gradient opacity is 0; negative: none
 
+  /// The lights in data coordinates; none where their own have fewer dimensions.
+  std::vector<ShadowLattice::Source> sources(const Matrix4& lightsFromData) const;
+  /// shadows: of the sources, of which there are as many as lights or none.
+  void scatter(const VolumeScattering& wanted, const ShadowLattice& shadows, const VolumeKernelScene& scene);
+
 private:
   void place(const VolumeShading& shading, const VolumeKernelScene& scene);
-  void addLights(const VolumeShading& shading, double unit);
+  void addLights(const VolumeShading& shading);
 };
 
 /// The kernel counts, in floats unless its features tell otherwise, from `reference`, in units that make the domain's

@@ -64,7 +64,7 @@ void VolumeIllumination::place(const VolumeShading& shading, const VolumeKernelS
   std::copy_n(shading.ambientLight.begin(), 3, ambientLight.begin());
   const Matrix4& m = shading.lightsFromData;
   std::array<Vec3, 3> rows; // of directions
-  double unit = 0.;         // of a kernel unit's length in the lights' coordinates
+  unit = 0.; // a kernel unit's length in the lights' coordinates
   for (int r = 0; r < 3; ++r)
   {
     rows[r] = { m[4 * r], m[4 * r + 1], m[4 * r + 2] };
@@ -107,13 +107,13 @@ void VolumeIllumination::place(const VolumeShading& shading, const VolumeKernelS
   }
   constexpr double rounding = 1e-6;
   seesAlongRays = scene.camera.isPerspective() && fromOrigin < rounding;
-  addLights(shading, unit);
+  addLights(shading);
   needsPoints = !seesAlongRays || std::any_of(lights.begin(), lights.end(), [](const KernelLight& light) {
     return !light.isAtEye && light.isPositional;
   });
 }
 
-void VolumeIllumination::addLights(const VolumeShading& shading, double unit)
+void VolumeIllumination::addLights(const VolumeShading& shading)
 {
   for (const Light& from : shading.lights)
   {
@@ -143,6 +143,85 @@ void VolumeIllumination::addLights(const VolumeShading& shading, double unit)
   }
 }
 
+std::vector<ShadowLattice::Source> VolumeIllumination::sources(const Matrix4& m) const
+{
+  const std::array<Vec3, 3> rows{ Vec3{ m[0], m[1], m[2] }, { m[4], m[5], m[6] }, { m[8], m[9], m[10] } };
+  std::array<Vec3, 3> columns; // of the inverse, times the determinant
+  for (int r = 0; r < 3; ++r)
+  {
+    columns[r] = cross(rows[(r + 1) % 3], rows[(r + 2) % 3]);
+  }
+  const double volume = dot(rows[0], columns[0]);
+  std::vector<ShadowLattice::Source> result;
+  if (!(std::abs(volume) > 0.))
+  {
+    return result;
+  }
+  for (const KernelLight& light : lights)
+  {
+    ShadowLattice::Source source{ light.isPositional, {} };
+    for (int r = 0; r < 3; ++r)
+    {
+      const double component = light.isPositional ? light.position[r] * unit - m[4 * r + 3] : light.direction[r];
+      for (int a = 0; a < 3; ++a)
+      {
+        source.place[a] += columns[r][a] * component / volume;
+      }
+    }
+    result.push_back(source);
+  }
+  return result;
+}
+
+void VolumeIllumination::scatter(
+  const VolumeScattering& wanted, const ShadowLattice& shadows, const VolumeKernelScene& scene)
+{
+  KernelScattering kernel{};
+  kernel.blending = 0.5 * wanted.blending;
+  kernel.depthPerExtinction = wanted.sampleLength / diagonalOf(scene.field.octree().grid().bounds());
+  kernel.anisotropy = wanted.anisotropy;
+  kernel.nodes = shadows.nodes();
+  for (int a = 0; a < 3; ++a)
+  {
+    kernel.cellsPerUnit[a] = 1. / (scene.dataScale * shadows.cell()[a]);
+    kernel.reference[a] = (scene.reference[a] - shadows.origin()[a]) / shadows.cell()[a];
+  }
+  scattering = kernel;
+  for (std::size_t i = 0; i < lights.size() && shadows.lights() == lights.size(); ++i)
+  {
+    lights[i].transmittance = shadows.transmittance(i);
+  }
+}
+
+namespace
+{
+
+/// Whether cells may have faces in a plane.
+bool hasFaces(const HalfSpace& plane, const Octree& octree)
+{
+  const RootGrid& grid = octree.grid();
+  constexpr double unresolved = 0x1p-17; // by single precision, along ways of about the domain's diagonal
+  const double least = unresolved * diagonalOf(grid.bounds());
+  for (int a = 0; a < 3; ++a)
+  {
+    if (plane.normal[(a + 1) % 3] != 0. || plane.normal[(a + 2) % 3] != 0.)
+    {
+      continue;
+    }
+    const double place = plane.offset / plane.normal[a];
+    const double inCells = std::ldexp(grid.latticeCoordinate(a, place), octree.leafLevels());
+    if (!(inCells >= 0.))
+    {
+      return false;
+    }
+    const auto nearest = static_cast<Coord>(std::llround(inCells));
+    return std::abs(grid.worldPlane(a, nearest, octree.leafLevels()) - place) < least;
+  }
+  return false;
+}
+
+} // namespace
+
 VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction& transferFunction,
   const VolumeTable& table, const RayView& view, const VolumeSettings& settings, BlockCache& kept,
   GradientCache* gradients, Image* image)
@@ -164,6 +243,7 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   features.constants = hasCategories || settings.nearest;
   features.means = settings.levelOfDetailPixels > 0. && !hasCategories;
   features.slices = settings.blend == VolumeBlend::Slice;
+  features.slicesFaces = features.slices && hasFaces(settings.slice, field.octree());
   features.loop = volumeLoop(settings, hasCategories);
   const double width = static_cast<double>(field.range().max) - field.range().min;
   const bool isMinimum = settings.blend == VolumeBlend::Minimum;

@@ -15,6 +15,7 @@
 #include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
+#include "Volume/Kernel/VolumeScattering-inl.h"
 
 #include <hwy/highway.h>
 
@@ -181,6 +182,10 @@ public:
         scene.needsPoints ? row(start, hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][3]))) : slope_[r];
     }
     normalize<Real>(sight_);
+    if (scene.scattering)
+    {
+      scattering_.start(*scene.scattering, start, direction);
+    }
   }
 
   /// Whether effects have the extinctions.
@@ -189,8 +194,8 @@ public:
     return mixed_.mixture && mixed_.mixture->mixing == VolumeMixing::Independent;
   }
 
-  /// At spots that rays reach after a part of t.
-  HWY_INLINE Effect at(const Spot<Real>& spot, Reals<Real> along) const
+  /// At spots that rays reach after a part of t. extinction: as the table's entries have it.
+  HWY_INLINE Effect at(const Spot<Real>& spot, Reals<Real> along, Reals<Real> extinction) const
   {
     const RealTag<Real> d;
     Effect effect;
@@ -225,7 +230,7 @@ public:
     }
     if (scene_.shades)
     {
-      this->reflect(gradient, along, effect);
+      this->reflect(gradient, along, extinction, effect);
     }
     return effect;
   }
@@ -339,7 +344,8 @@ private:
   }
 
   /// Shines on a unit normal.
-  HWY_INLINE void reflect(const Reals3<Real>& gradient, Reals<Real> along, Effect& effect) const
+  HWY_INLINE void reflect(
+    const Reals3<Real>& gradient, Reals<Real> along, Reals<Real> extinction, Effect& effect) const
   {
     const RealTag<Real> d;
     Reals<Real> normal[3];
@@ -373,6 +379,11 @@ private:
       effect.times[c] = hn::Set(d, static_cast<Real>(scene_.ambient));
       effect.plus[c] = hn::Set(d, static_cast<Real>(scene_.ambientLight[c]));
     }
+    ScatteredLight<Real> scattered;
+    if (scene_.scattering)
+    {
+      scattered = scattering_.at(along);
+    }
     for (const KernelLight& light : scene_.lights)
     {
       Reals<Real> travels[3] = { sight[0], sight[1], sight[2] };
@@ -380,6 +391,10 @@ private:
       if (!light.isAtEye)
       {
         arrives = this->incoming(light, point, travels);
+      }
+      if (scene_.scattering)
+      {
+        scattering_.add(light, arrives, hn::Neg(dotted<Real>(travels, sight)), scattered);
       }
       const Reals<Real> cosine = dotted<Real>(normal, travels);
       const Reals<Real> facing = scene_.twoSided ? hn::Abs(cosine) : hn::ZeroIfNegative(cosine);
@@ -400,6 +415,15 @@ private:
       for (int c = 0; c < 3; ++c)
       {
         effect.plus[c] = mulAdd(highlight, hn::Set(d, static_cast<Real>(light.specular[c])), effect.plus[c]);
+      }
+    }
+    if (scene_.scattering)
+    {
+      const Reals<Real> part = scattering_.part(extinction);
+      for (int c = 0; c < 3; ++c)
+      {
+        effect.times[c] = lerp(part, effect.times[c], scattered.times[c]);
+        effect.plus[c] = lerp(part, effect.plus[c], hn::Set(d, static_cast<Real>(scene_.ambientLight[c])));
       }
     }
   }
@@ -440,6 +464,7 @@ private:
   Reals<Real> start_[3]; // in the lights' coordinates
   Reals<Real> slope_[3];
   Reals<Real> sight_[3]; // the way that rays go
+  ScatteringOnRays<Real> scattering_;
 };
 
 /// Where blocks have their gradients from, for one thread.

@@ -297,7 +297,8 @@ private:
     return direction;
   }
 
-  /// Leaves of the ray's parts no more than what begins in the plane: no plane between nodes fits into it.
+  /// Leaves of the ray's parts no more than what begins in the plane: no plane between nodes fits into it. Where cells meet
+  /// in the plane, what is on both sides of it: the first that there is ends the ray.
   HWY_NOINLINE void slice(int r, int x, int y) noexcept
   {
     const auto& [normal, offset] = scene_.settings.slice;
@@ -309,10 +310,29 @@ private:
       isMet = isMet || (begin_[part][r] <= at && at < end_[part][r]);
       end_[part][r] = finished;
     }
-    if (isMet)
+    if (!isMet)
+    {
+      return;
+    }
+    if (!scene_.features.slicesFaces)
     {
       begin_[0][r] = at;
       end_[0][r] = std::nextafter(at, infinity);
+      return;
+    }
+    while (parts_ < 2)
+    {
+      std::fill_n(end_[parts_++], tileRays, finished);
+    }
+    // Of places of planes and on the ray; of a far eye's rays in doubles, too.
+    constexpr Real rounding = std::is_same_v<Real, float> ? 0x1p-21 : 0x1p-30;
+    const double speed = std::abs(dot(normal, ray.direction)) / std::sqrt(dot(normal, normal));
+    const Real side = rounding * std::max(std::abs(at), Real(1)) *
+      static_cast<Real>(scene_.scale / (scene_.dataScale * speed));
+    for (int part = 0; part < 2; ++part)
+    {
+      begin_[part][r] = part == 0 ? at - side : at + side;
+      end_[part][r] = std::nextafter(begin_[part][r], infinity);
     }
   }
 

@@ -449,7 +449,7 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
         continue;
       }
       const Reals<Real> steps = hn::Set(d, i + static_cast<Real>(k) + Real(0.5));
-      effects[k] = lighting.at(spots[k], hn::Mul(steps, span.step));
+      effects[k] = lighting.at(spots[k], hn::Mul(steps, span.step), extinction[k]);
       const Mask<Real> isTaken = hn::Lt(hn::Set(d, i + static_cast<Real>(k)), span.samples);
       extinction[k] = isOfMany ? hn::IfThenElseZero(isTaken, effects[k].opacity)
                                : hn::Mul(extinction[k], effects[k].opacity);
