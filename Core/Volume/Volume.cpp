@@ -1,6 +1,7 @@
 #include "Volume/Volume.h"
 
 #include "Error.h"
+#include "Geometry/Bounds.h"
 #include "Interpolation/BlockCache.h"
 #include "Progress.h"
 #include "Volume/Kernel/VolumeKernel.h"
@@ -208,6 +209,7 @@ struct Volume::Mixture
   VolumeMixing mixing;
   std::vector<Part> parts;
   std::array<float, 4> weights{};
+  std::unique_ptr<const KernelTable2D> table{}; // null: there is none
 };
 
 namespace
@@ -229,6 +231,10 @@ Volume& Volume::operator=(Volume&&) noexcept = default;
 void Volume::setTransferFunction(TransferFunction transferFunction)
 {
   check(*field_, transferFunction);
+  if (mixture_ && mixture_->table)
+  {
+    mixture_ = nullptr;
+  }
   if (mixture_ && transferFunction.hasCategories())
   {
     throw Error(colorsOfCategories);
@@ -301,6 +307,22 @@ void Volume::setComponents(std::vector<Component> others, float ownWeight)
   mix(std::move(mixture));
 }
 
+void Volume::setTable(std::shared_ptr<const Field> second, const TransferFunction2D& table)
+{
+  Mixture mixture{ VolumeMixing::Table, {}, {} };
+  mixture.table = std::make_unique<const KernelTable2D>(
+    table, diagonalOf(field_->octree().grid().bounds()), second == nullptr);
+  if (second)
+  {
+    TransferFunction most = table.mostOverSecond();
+    checkPart(second, most);
+    mixture.parts.push_back({ std::move(second), std::move(most) });
+  }
+  transferFunction_ = table.mostOverFirst();
+  table_ = nullptr;
+  mix(std::move(mixture));
+}
+
 void Volume::checkPart(const std::shared_ptr<const Field>& field, const TransferFunction& function) const
 {
   if (required(field, "volume").sharedOctree() != field_->sharedOctree())
@@ -316,7 +338,7 @@ void Volume::checkPart(const std::shared_ptr<const Field>& field, const Transfer
 /// What fields had, they keep: new functions change no values.
 void Volume::mix(Mixture mixture)
 {
-  if (mixture.parts.empty())
+  if (mixture.parts.empty() && !mixture.table)
   {
     mixture_ = nullptr;
     return;
@@ -418,14 +440,16 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   const bool hasCategories = transferFunction_.hasCategories();
   const bool withColors = mixture_ && !blendsValues(settings.blend);
   const bool areIndependent = withColors && mixture_->mixing == VolumeMixing::Independent;
-  prepareMemory(!hasCategories && !settings.nearest,
-    usesGradients(settings, hasCategories) && !areIndependent, withColors,
+  const KernelTable2D* const ofTwo = withColors ? mixture_->table.get() : nullptr;
+  const bool withGradients =
+    ofTwo ? ofTwo->byGradient || settings.shading : usesGradients(settings, hasCategories) && !areIndependent;
+  prepareMemory(!hasCategories && !settings.nearest, withGradients, withColors,
     settings.levelOfDetailPixels > 0. && !hasCategories);
   VolumeKernelScene scene(
     *field_, transferFunction_, *table_, view, settings, *kept_, keptGradients_.get(), image);
   if (withColors)
   {
-    KernelMixture mixture{ mixture_->mixing, {}, mixture_->weights };
+    KernelMixture mixture{ mixture_->mixing, {}, mixture_->weights, ofTwo };
     for (Mixture::Part& part : mixture_->parts)
     {
       const int magnitude = areIndependent ? worldMagnitude : 0; // colours have none

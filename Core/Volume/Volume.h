@@ -3,6 +3,7 @@
 
 #include "Field/Field.h"
 #include "Field/TransferFunction.h"
+#include "Field/TransferFunction2D.h"
 #include "Geometry/Image.h"
 #include "Geometry/RayView.h"
 #include "MemoryBudget.h"
@@ -55,7 +56,8 @@ public:
   const Field& field() const noexcept { return *field_; }
   const TransferFunction& transferFunction() const noexcept { return transferFunction_; }
   ///@}
-  /// Throws Error, and keeps the one before, when a value of the field is none of its categories.
+  /// In place of a table, too. Throws Error, and keeps the one before, when a value of the field is none of its
+  /// categories.
   void setTransferFunction(TransferFunction transferFunction);
 
   /// One of several components of what is drawn, each a field of the same octree with functions of its own.
@@ -79,7 +81,12 @@ public:
   /// extinction. They are not lit. None or one: the volume alone. Throws Error, and keeps what was there, as setColors()
   /// and for weights that are negative or not finite.
   void setComponents(std::vector<Component> others, float ownWeight = 1.f);
-  /// Whether any of these three mixes other fields in.
+  /// Colours and extinctions by two values: that of the volume's field and, with `second`, that of another one, else the
+  /// length of its own gradient per unit of data coordinates. In place of the transfer function, which becomes
+  /// table.mostOverFirst(), of all other fields, and of gradient opacity. Sampled by points. Blends of values do not
+  /// read it. Throws Error, and keeps what was there, as setColors().
+  void setTable(std::shared_ptr<const Field> second, const TransferFunction2D& table);
+  /// Whether any of these four makes samples' colours.
   bool hasColors() const noexcept { return static_cast<bool>(mixture_); }
 
   /// Forgets the vertex values, unless these are the bytes that it was given before.

@@ -96,6 +96,12 @@ struct vtkTreeAMRVolumeMapper::Internals
   std::array<treeamr::FieldSlot, 3> ComponentSlots;
   /// Of RGBA the colours, of independent ones those after the first; the same octree's.
   std::vector<std::shared_ptr<const treeamr::Field>> OtherComponents;
+  bool ReadsTable = false; // of the property's function of two values
+  treeamr::FieldSlot TableSlot;
+  std::shared_ptr<const treeamr::Field>
+    TableField; // whose value is the second one; null: the gradient's length is
+  std::array<double, 4> TableRange{};
+  std::optional<std::array<double, 4>> AgreedRange;      // of all processes
   std::shared_ptr<const treeamr::Categories> Categories; // whose numbers it is; null: it is the array's
   vtkTimeStamp FieldTime;
   double FieldSeconds = 0.;

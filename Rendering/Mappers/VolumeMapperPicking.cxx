@@ -14,6 +14,7 @@
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -27,6 +28,10 @@ vtkIdType vtkTreeAMRVolumeMapper::IntersectWithLine(vtkVolume* volume, const dou
   try
   {
     this->UpdateField(volume);
+    if (internals.ReadsTable)
+    {
+      this->UpdateVolume(volume);
+    }
     const bool isByNumber = internals.Categories != nullptr;
     const bool isNearest =
       isByNumber || volume->GetProperty()->GetInterpolationType() == VTK_NEAREST_INTERPOLATION;
@@ -36,14 +41,17 @@ vtkIdType vtkTreeAMRVolumeMapper::IntersectWithLine(vtkVolume* volume, const dou
     const auto valueOf = [&](double found) {
       return isByNumber ? internals.Categories->values->GetTuple1(static_cast<vtkIdType>(found)) : found;
     };
-    vtkPiecewiseFunction* function = volume->GetProperty()->GetScalarOpacity();
+    const auto opacityOf = [&](double found) {
+      return internals.ReadsTable
+        ? -std::expm1(-volume->GetProperty()->GetScalarOpacityUnitDistance() *
+            internals.Volume->transferFunction().at(static_cast<float>(found - opaque->offset())).extinction)
+        : volume->GetProperty()->GetScalarOpacity()->GetValue(valueOf(found));
+    };
     treeamr::DataCut cut;
     cut.cropping = treeamr::convertCropping(this);
     const treeamr::PickLine line = treeamr::pickLine(p1, p2, t1, t2);
     const auto sampler = treeamr::Sampler::create(method, opaque);
-    auto pick = treeamr::pickVolume(
-      *sampler, opaque->octree(), line, cut, [&](double found) { return function->GetValue(valueOf(found)); },
-      opacity);
+    auto pick = treeamr::pickVolume(*sampler, opaque->octree(), line, cut, opacityOf, opacity);
     if (!pick)
     {
       return -1;

@@ -153,6 +153,10 @@ void vtkTreeAMRVolumeMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "VectorComponent: " << this->VectorComponent << endl;
   os << indent << "OpacityArrayName: " << this->OpacityArrayName << endl;
   os << indent << "OpacityComponent: " << this->OpacityComponent << endl;
+  os << indent << "Transfer2DYAxisArray: " << this->Transfer2DYAxisArray << endl;
+  os << indent << "Transfer2DYAxisComponent: " << this->Transfer2DYAxisComponent << endl;
+  os << indent << "Transfer2DRange: " << this->Transfer2DRange[0] << " " << this->Transfer2DRange[1] << " "
+     << this->Transfer2DRange[2] << " " << this->Transfer2DRange[3] << endl;
   os << indent << "SamplesPerCell: " << this->SamplesPerCell << endl;
   os << indent << "SampleDistance: " << this->SampleDistance << endl;
   os << indent << "LockSampleDistanceToInputSpacing: " << this->LockSampleDistanceToInputSpacing << endl;
@@ -236,6 +240,9 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     this->SetVectorComponent(other->VectorComponent);
     this->SetOpacityArrayName(other->OpacityArrayName.c_str());
     this->SetOpacityComponent(other->OpacityComponent);
+    this->SetTransfer2DYAxisArray(other->Transfer2DYAxisArray.c_str());
+    this->SetTransfer2DYAxisComponent(other->Transfer2DYAxisComponent);
+    this->SetTransfer2DRange(other->Transfer2DRange);
     this->SetSamplesPerCell(other->SamplesPerCell);
     this->SetSampleDistance(other->SampleDistance);
     this->SetLockSampleDistanceToInputSpacing(other->LockSampleDistanceToInputSpacing);
@@ -271,6 +278,17 @@ void vtkTreeAMRVolumeMapper::SetOpacityArrayName(const char* name)
   if (wanted != this->OpacityArrayName)
   {
     this->OpacityArrayName = wanted;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetTransfer2DYAxisArray(const char* name)
+{
+  const std::string wanted = name ? name : "";
+  if (wanted != this->Transfer2DYAxisArray)
+  {
+    this->Transfer2DYAxisArray = wanted;
     this->Modified();
   }
 }
@@ -361,6 +379,10 @@ void vtkTreeAMRVolumeMapper::CheckSettings()
          std::pair("final color window", this->FinalColorWindow),
          std::pair("final color level", this->FinalColorLevel),
          std::pair("isosurface opacity scale", this->IsosurfaceOpacityScale),
+         std::pair("first number of the Transfer2DRange", this->Transfer2DRange[0]),
+         std::pair("second number of the Transfer2DRange", this->Transfer2DRange[1]),
+         std::pair("third number of the Transfer2DRange", this->Transfer2DRange[2]),
+         std::pair("fourth number of the Transfer2DRange", this->Transfer2DRange[3]),
          std::pair("ambient occlusion radius", this->AmbientOcclusionRadius),
          std::pair("volumetric scattering blending", static_cast<double>(this->VolumetricScatteringBlending)),
          std::pair("global illumination reach", static_cast<double>(this->GlobalIlluminationReach)) })
@@ -388,7 +410,7 @@ void vtkTreeAMRVolumeMapper::WarnOfSettings(vtkVolume* volume)
   const bool areIndependent = components == Components::Independent;
   treeamr::SettingNames names = treeamr::unsupportedSettings(volume, this,
     { hasCategories, hasSurfaces, canMix && components != Components::One && !areIndependent,
-      canMix && areIndependent, this->VolumetricScatteringBlending > 0.f });
+      canMix && areIndependent, this->VolumetricScatteringBlending > 0.f, this->ReadsTable(volume) });
   if (areIndependent && this->ShowsVolume() && !canMix)
   {
     names.emplace_back(
@@ -451,17 +473,23 @@ std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtk
   }
   if (!this->OpacityArrayName.empty())
   {
-    // As VTK and ParaView's list of components have it, one beyond the last is the magnitude.
-    vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
-    vtkDataArray* array = grid ? grid->GetCellData()->GetArray(this->OpacityArrayName.c_str()) : nullptr;
-    const bool isBeyond = array && this->OpacityComponent >= array->GetNumberOfComponents();
-    return treeamr::ArraySelection{ this->OpacityArrayName, isBeyond ? -1 : this->OpacityComponent };
+    return this->SelectComponent(this->OpacityArrayName, this->OpacityComponent);
   }
   if (this->GetComponents(volume) == Components::Pair)
   {
     return treeamr::ArraySelection{ this->SelectArray().name, 1 };
   }
   return std::nullopt;
+}
+
+//------------------------------------------------------------------------------
+treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectComponent(const std::string& name, int component)
+{
+  // As VTK and ParaView's list of components have it, one beyond the last is the magnitude.
+  vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
+  vtkDataArray* array = grid ? grid->GetCellData()->GetArray(name.c_str()) : nullptr;
+  const bool isBeyond = array && component >= array->GetNumberOfComponents();
+  return { name, isBeyond ? -1 : component };
 }
 
 //------------------------------------------------------------------------------
@@ -520,18 +548,23 @@ void vtkTreeAMRVolumeMapper::UpdateField(vtkVolume* volume)
   {
     internals.OpacitySlot.release();
   }
+  const bool readsTable = this->ReadsTable(volume);
+  const auto tableField = this->AcquireTableField(readsTable, selection, *field);
   const auto others =
     this->AcquireComponents(this->CanMix(volume) ? components : Components::One, selection, *field);
   (opacityField ? opacityField : field)->nodeRanges(); // made now, they do not count as a frame's time
   internals.Messages.warning(internals.FieldSlot.remark());
   if (field != internals.Field || opacityField != internals.OpacityField ||
-    others != internals.OtherComponents || components != internals.Drawn)
+    others != internals.OtherComponents || components != internals.Drawn ||
+    readsTable != internals.ReadsTable || tableField != internals.TableField)
   {
     internals.FieldSeconds = vtkTimerLog::GetUniversalTime() - start;
     internals.Field = field;
     internals.OpacityField = opacityField;
     internals.OtherComponents = others;
     internals.Drawn = components;
+    internals.ReadsTable = readsTable;
+    internals.TableField = tableField;
     internals.Volume.reset();
     internals.SamplesPerCell.clear();
     internals.FieldTime.Modified();
@@ -570,81 +603,27 @@ std::vector<std::shared_ptr<const treeamr::Field>> vtkTreeAMRVolumeMapper::Acqui
 }
 
 //------------------------------------------------------------------------------
+std::shared_ptr<const treeamr::Field> vtkTreeAMRVolumeMapper::AcquireTableField(
+  bool readsTable, const treeamr::ArraySelection& own, const treeamr::Field& field)
+{
+  treeamr::FieldSlot& slot = this->Private->TableSlot;
+  if (!readsTable || this->Transfer2DYAxisArray.empty())
+  {
+    slot.release();
+    return nullptr;
+  }
+  const treeamr::ArraySelection selection =
+    this->SelectComponent(this->Transfer2DYAxisArray, this->Transfer2DYAxisComponent);
+  std::shared_ptr<const treeamr::Field> second = slot.acquire(this->GetHyperTreeGrid(), selection);
+  this->Private->Messages.warning(slot.remark());
+  checkSameCells(own, field, selection, *second);
+  return second;
+}
+
+//------------------------------------------------------------------------------
 bool vtkTreeAMRVolumeMapper::ShowsVolume() const
 {
   return this->BlendMode != vtkVolumeMapper::ISOSURFACE_BLEND;
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
-{
-  Internals& internals = *this->Private;
-  vtkVolumeProperty* property = this->ShowsVolume() ? volume->GetProperty() : nullptr;
-  const int size = this->ShowsVolume() ? this->VertexCacheSize : 0;
-  const std::size_t bytes = static_cast<std::size_t>(size) << 20;
-  if (!internals.Volume || internals.Property != property ||
-    internals.PropertyTime != (property ? property->GetMTime() : 0))
-  {
-    internals.Property = nullptr; // until it is converted
-    internals.PropertyTime = 0;
-    internals.SampleDistances.clear();
-    internals.TransferFunctionSeconds = 0.;
-    const treeamr::Stopwatch stopwatch(internals.TransferFunctionSeconds);
-    const std::shared_ptr<const treeamr::Field>& field =
-      internals.OpacityField ? internals.OpacityField : internals.Field;
-    treeamr::TransferFunction function = !property ? treeamr::TransferFunction(0., 1., { {}, {} })
-      : internals.Categories ? treeamr::convertCategories(property, internals.Categories->values)
-                             : treeamr::convertTransferFunction(property, field->range(), field->offset(),
-                                 { 0, this->GetComponentOfUnitDistance() });
-    if (internals.Volume)
-    {
-      internals.Volume->setTransferFunction(std::move(function));
-    }
-    else
-    {
-      internals.Volume.emplace(field, std::move(function), bytes);
-    }
-    if (property)
-    {
-      this->MixComponents(property);
-    }
-    internals.Property = property;
-    // Asking for functions that were never set has made them.
-    internals.PropertyTime = property ? property->GetMTime() : 0;
-    internals.TransferFunctionTime.Modified();
-  }
-  internals.Volume->setKeptBytes(bytes);
-}
-
-//------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::MixComponents(vtkVolumeProperty* property)
-{
-  Internals& internals = *this->Private;
-  const auto functionOf = [property](const treeamr::Field& field, int component) {
-    return treeamr::convertTransferFunction(
-      property, field.range(), field.offset(), { component, component });
-  };
-  const auto& others = internals.OtherComponents;
-  if (internals.OpacityField)
-  {
-    internals.Volume->setColors(internals.Field, functionOf(*internals.Field, 0));
-  }
-  else if (internals.Drawn == Components::RGBA && !others.empty())
-  {
-    internals.Volume->setChannels({ others[0], others[1], others[2] });
-  }
-  else if (internals.Drawn == Components::Independent && !others.empty())
-  {
-    std::vector<treeamr::Volume::Component> components;
-    for (const auto& field : others)
-    {
-      const int component = static_cast<int>(components.size()) + 1;
-      components.push_back({ field, functionOf(*field, component),
-        static_cast<float>(property->GetComponentWeight(component)) });
-    }
-    internals.Volume->setComponents(
-      std::move(components), static_cast<float>(property->GetComponentWeight(0)));
-  }
 }
 
 //------------------------------------------------------------------------------

@@ -27,8 +27,7 @@
  * volume and actors of vtkTreeAMRIsosurfaceMapper, the volume draws these with itself, each ray once through
  * everything, with and without depth peeling. Isosurfaces leave no depth. Clipping planes (world coordinates) and
  * cropping (regions of data coordinates) cut the volume and its own isosurfaces, at the planes and not at cells,
- * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for:
- * two-dimensional functions.
+ * and what is cut away takes no time. What VTK's volume mappers do besides warns once when it is asked for.
  * Selections of cells and points pass through volumes; props alone are selected (vtkPropPicker) where the volume is seen.
  *
  * As with VTK's mappers the property's interpolation type says what is in between the cells' centres, and its default
@@ -57,6 +56,7 @@
 #include "vtkVolumeMapper.h"
 
 #include <array>      // for std::array
+#include <cstddef>    // for std::size_t
 #include <functional> // for std::function
 #include <memory>     // for std::unique_ptr
 #include <optional>   // for std::optional
@@ -134,6 +134,27 @@ public:
   ///@}
 
   ///@{
+  /// Cell array whose values are the second axis of the property's TransferFunction2D, in TransferFunctionMode TF_2D, as in
+  /// VTK's GPU mapper; both arrays need values in the same cells. Empty (default): the length of the drawn array's gradient
+  /// is. Of composites and slices of one component or the magnitude, without OpacityArrayName; not of categories. Opacities
+  /// are over component 0's unit distance, VTK's over each of its samples, whatever their distance.
+  void SetTransfer2DYAxisArray(const char* name);
+  const char* GetTransfer2DYAxisArray() const { return this->Transfer2DYAxisArray.c_str(); }
+  ///@}
+  ///@{
+  /// Of that array; -1, and any beyond the last, is for the magnitude where there are several. Default 0, as VTK has it.
+  vtkSetMacro(Transfer2DYAxisComponent, int);
+  vtkGetMacro(Transfer2DYAxisComponent, int);
+  ///@}
+  ///@{
+  /// Where the TransferFunction2D lies: from the least to the largest value of the first axis, then of the second one. An
+  /// axis whose largest is below its least (default) has VTK's: the range of this process's values, and for gradients from 0
+  /// to a quarter of that range across the width of the finest cells. (ParaView's ranks agree on these.)
+  vtkSetVector4Macro(Transfer2DRange, double);
+  vtkGetVector4Macro(Transfer2DRange, double);
+  ///@}
+
+  ///@{
   /// Samples of the field along one cell's width, from FewestSamplesPerCell to MostSamplesPerCell, where colour or opacity
   /// vary in the cell; fewer where little can change, but at least one in each cell, or block of eight cells of one size,
   /// that a ray crosses. Where the opacity function varies more than samples can follow its integral over each step is
@@ -177,7 +198,7 @@ public:
   ///@}
   ///@{
   /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed
-  /// again; 0 keeps none. While the volume is shaded or has gradient opacity, gradients may take four times as much.
+  /// again; 0 keeps none. While the volume is shaded or its opacity is by gradients, these may take four times as much.
   /// Only what was seen takes memory. Never changes a pixel. Default 512.
   virtual void SetVertexCacheSize(int value);
   vtkGetMacro(VertexCacheSize, int);
@@ -318,6 +339,8 @@ public:
   /// needs. largest(numbers): makes each number the largest of all processes'.
   void AgreeOnDrafts(
     vtkRenderer* renderer, vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest);
+  /// Of the same, and as often: the ranges by default of Transfer2DRange become those of all processes' values.
+  void AgreeOnTransfer2DRange(vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest);
   ///@{
   /// Modification times of the field and of the transfer function's table in use; 0 before the first.
   vtkMTimeType GetFieldBuildTime();
@@ -327,10 +350,10 @@ public:
   vtkMTimeType GetIsosurfaceBuildTime();
 
   /// The first point on the line from p1 to p2 (data coordinates), between the fractions t1 and t2 of it and in the
-  /// cropping regions, where the volume's scalar opacity is at least `opacity`, found in steps of an eighth of a cell: its
-  /// fraction t, the normal towards lower values or of the face entered (of any length; 0: there is none) and the value of
-  /// the drawn array; returns the cell's index in the cell arrays. -1: there is none, or it failed, as the next frame
-  /// tells. For vtkTreeAMRPicker.
+  /// cropping regions, where the volume's scalar opacity (of a TransferFunction2D the largest for the value) is at least
+  /// `opacity`, found in steps of an eighth of a cell: its fraction t, the normal towards lower values or of the face
+  /// entered (of any length; 0: there is none) and the value of the drawn array; returns the cell's index in the cell
+  /// arrays. -1: there is none, or it failed, as the next frame tells. For vtkTreeAMRPicker.
   vtkIdType IntersectWithLine(vtkVolume* volume, const double p1[3], const double p2[3], double t1, double t2,
     double opacity, double& t, double normal[3], double& value);
 
@@ -358,6 +381,9 @@ protected:
   int VectorComponent = 0;
   std::string OpacityArrayName;
   int OpacityComponent = -1;
+  std::string Transfer2DYAxisArray;
+  int Transfer2DYAxisComponent = 0;
+  double Transfer2DRange[4] = { 0., -1., 0., -1. };
   double SamplesPerCell = 2.;
   double SampleDistance = 0.;
   bool LockSampleDistanceToInputSpacing = false;
@@ -409,6 +435,21 @@ private:
   std::vector<std::shared_ptr<const treeamr::Field>> AcquireComponents(
     Components components, const treeamr::ArraySelection& own, const treeamr::Field& field);
   void MixComponents(vtkVolumeProperty* property);
+  /// Whether the property's function of two values is seen.
+  bool ReadsTable(vtkVolume* volume);
+  /// Null when the second one is no array's.
+  std::shared_ptr<const treeamr::Field> AcquireTableField(
+    bool readsTable, const treeamr::ArraySelection& own, const treeamr::Field& field);
+  /// Less the fields' offsets.
+  std::array<double, 4> GetTableRange() const;
+  /// As Transfer2DRange.
+  std::array<double, 4> GetTableRangeOfData() const;
+  ///@{
+  /// What a volume shows, which is made where there is none. property: null is for nothing.
+  void SetFunctions(vtkVolumeProperty* property, std::size_t keptBytes);
+  void SetTable(vtkVolumeProperty* property, std::size_t keptBytes);
+  ///@}
+  treeamr::ArraySelection SelectComponent(const std::string& name, int component);
   /// Of what makes the volume opaque, when that is not the array itself.
   std::optional<treeamr::ArraySelection> SelectOpacity(vtkVolume* volume);
   void UpdateField(vtkVolume* volume);

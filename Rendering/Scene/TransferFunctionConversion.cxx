@@ -30,16 +30,6 @@ using Node = TransferFunction::Node;
 
 constexpr std::size_t manySegments = 128;
 
-void checkUnitDistance(vtkVolumeProperty* property, int component)
-{
-  const double unitDistance = property->GetScalarOpacityUnitDistance(component);
-  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
-  {
-    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
-      ", allowed are positive lengths");
-  }
-}
-
 /// Between which floats the functions are what they come to at a and b from inside.
 std::pair<double, double> insideOf(const PropertyFunctions& functions, double a, double b)
 {
@@ -362,6 +352,16 @@ std::vector<Node> makeNodes(PropertyFunctions& functions, Range dataRange, const
 }
 
 } // namespace
+
+void checkUnitDistance(vtkVolumeProperty* property, int component)
+{
+  const double unitDistance = property->GetScalarOpacityUnitDistance(component);
+  if (!(unitDistance > 0.) || !std::isfinite(unitDistance))
+  {
+    throw Error("volume property: scalar opacity unit distance " + std::to_string(unitDistance) +
+      ", allowed are positive lengths");
+  }
+}
 
 TransferFunction convertTransferFunction(
   vtkVolumeProperty* property, Range dataRange, double offset, const PropertyComponent& component)

@@ -18,6 +18,9 @@ namespace treeamr
 TransferFunction convertTransferFunction(
   vtkVolumeProperty* property, Range dataRange, double offset = -0., const PropertyComponent& component = {});
 
+/// Throws Error unless the component's unit distance is a positive length.
+void checkUnitDistance(vtkVolumeProperty* property, int component);
+
 /// Whether the property's colours are of categories (VTK's indexed look-up): of values by themselves, with
 /// nothing in between.
 bool hasCategories(vtkVolumeProperty* property);

@@ -83,7 +83,11 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
       property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION &&
         mapper->GetBlendMode() == vtkVolumeMapper::ISOSURFACE_BLEND },
     { "ShowIsosurfaces with a BlendMode of values", blendsValues(mapper) && drawn.surfaces },
-    { "TransferFunctionMode TF_2D", property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D },
+    { "TransferFunctionMode TF_2D: without effect, needed are a TransferFunction2D, an array that is no "
+      "category and "
+      "of which one component or the magnitude is drawn, a composite or slice BlendMode and no "
+      "OpacityArrayName",
+      property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D && !drawn.table },
     { "IndependentComponents off: without effect, needed is an array of 2 components (colour, opacity) or 4 "
       "(red, "
       "green, blue, opacity) that is no category, a composite or slice BlendMode and no OpacityArrayName",

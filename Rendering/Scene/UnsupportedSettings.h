@@ -25,6 +25,7 @@ struct DrawnVolume
   bool dependent;   // components of an array together: two are colour and opacity, four are these themselves
   bool independent; // each of several components by functions of its own
   bool scatters;    // light, where it is shaded
+  bool table;       // by the function of two values
 };
 
 /// Empty for VTK's defaults. Selections, which pass through volumes, are no setting: one makes them for what

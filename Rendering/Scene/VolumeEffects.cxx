@@ -47,17 +47,15 @@ std::array<float, 3> ambientLight(vtkRenderer* renderer)
   return sum;
 }
 
-/// Of the finest cells: the mean over the axes.
-double finestWidth(const Field& field)
+/// Across the finest cells.
+double largestChange(double range)
 {
-  const RootGrid& grid = field.octree().grid();
-  const Bounds bounds = grid.bounds();
-  double sum = 0.;
-  for (int a = 0; a < 3; ++a)
-  {
-    sum += (bounds.max[a] - bounds.min[a]) / static_cast<double>(grid.roots()[a]);
-  }
-  return std::ldexp(sum / 3., -field.octree().leafLevels());
+  return range > 0. ? 0.25 * range : 0.25;
+}
+
+double rangeOf(const Field& field)
+{
+  return static_cast<double>(field.range().max) - field.range().min;
 }
 
 } // namespace
@@ -137,8 +135,7 @@ std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* propert
     return std::nullopt;
   }
   constexpr int entries = 4096;
-  const double range = static_cast<double>(field.range().max) - field.range().min;
-  const double largest = range > 0. ? 0.25 * range : 0.25;
+  const double largest = largestChange(rangeOf(field));
   GradientOpacity result{ largest / finestWidth(field), std::vector<float>(entries) };
   property->GetGradientOpacity()->GetTable(0., largest, entries, result.entries.data());
   for (float& entry : result.entries)
@@ -146,6 +143,23 @@ std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* propert
     entry = std::clamp(std::isnan(entry) ? 0.f : entry, 0.f, 1.f);
   }
   return result;
+}
+
+double longestGradient(double range, double finestWidth)
+{
+  return largestChange(range) / finestWidth;
+}
+
+double finestWidth(const Field& field)
+{
+  const RootGrid& grid = field.octree().grid();
+  const Bounds bounds = grid.bounds();
+  double sum = 0.;
+  for (int a = 0; a < 3; ++a)
+  {
+    sum += (bounds.max[a] - bounds.min[a]) / static_cast<double>(grid.roots()[a]);
+  }
+  return std::ldexp(sum / 3., -field.octree().leafLevels());
 }
 
 void applyColorWindow(double window, double level, Image& image)

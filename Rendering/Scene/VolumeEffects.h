@@ -33,6 +33,11 @@ bool hasGradientOpacity(vtkVolumeProperty* property);
 /// The property's function of the change of the field across the width of its finest cells, which VTK has of an image's
 /// spacing: up to a quarter of the field's range, and constant beyond, as VTK's tables.
 std::optional<GradientOpacity> convertGradientOpacity(vtkVolumeProperty* property, const Field& field);
+/// That quarter, or of no range .25, as a gradient: the last one that has a place of its own in VTK's tables. finestWidth:
+/// of cells.
+double longestGradient(double range, double finestWidth);
+/// Of the finest cells: the mean over the axes.
+double finestWidth(const Field& field);
 
 /// What the property's slice function shows, in data coordinates. Throws Error where it is no vtkPlane, as VTK's mapper
 /// takes no other.

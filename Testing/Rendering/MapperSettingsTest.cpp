@@ -71,6 +71,9 @@ TEST_F(MapperSettingsTest, shallowCopies)
   volumeMapper_->SelectScalarArray("y");
   volumeMapper_->SetVectorMode(vtkTreeAMRVolumeMapper::COMPONENT);
   volumeMapper_->SetVectorComponent(2);
+  volumeMapper_->SetTransfer2DYAxisArray("x");
+  volumeMapper_->SetTransfer2DYAxisComponent(1);
+  volumeMapper_->SetTransfer2DRange(1., 2., 3., 4.);
   volumeMapper_->SetSamplesPerCell(5.);
   volumeMapper_->SetSampleDistance(0.3);
   volumeMapper_->LockSampleDistanceToInputSpacingOn();
@@ -179,7 +182,8 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
   const std::vector<std::pair<std::string, std::function<void()>>> settings{
     { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
     { "UseJittering", [&] { volumeMapper_->UseJitteringOn(); } },
-    { "TransferFunctionMode", [&] { property->SetTransferFunctionModeTo2D(); } },
+    { "TransferFunctionMode TF_2D: without effect, needed are a TransferFunction2D",
+      [&] { property->SetTransferFunctionModeTo2D(); } },
     { "IndependentComponents off: without effect, needed is an array of 2 components",
       [&] { property->IndependentComponentsOff(); } },
     { "SetColor(1, ...): without effect, needed are VectorMode DISABLED",

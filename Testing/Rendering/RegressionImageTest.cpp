@@ -4,11 +4,14 @@
 #include "RenderingScene.h"
 
 #include "vtkColorTransferFunction.h"
+#include "vtkImageData.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkSphereSource.h"
 #include "vtkTesting.h"
 #include "vtkTreeAMRExampleSource.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
 
 using namespace treeamr::test;
 
@@ -33,7 +36,7 @@ protected:
 
   vtkHyperTreeGrid* mandelbulb() { return source_->GetHyperTreeGridOutput(); }
 
-  void addVolume()
+  vtkVolume* addVolume()
   {
     vtkVolume* volume = scene_.addVolume(mandelbulb(), "mandelbulb", { 0., 0., 0. }, 0.);
     vtkNew<vtkColorTransferFunction> colors;
@@ -47,6 +50,7 @@ protected:
     volume->GetProperty()->SetColor(colors);
     volume->GetProperty()->SetScalarOpacity(opacity);
     volume->GetProperty()->SetScalarOpacityUnitDistance(0.05);
+    return volume;
   }
 
   void addSurface(double isovalue)
@@ -102,6 +106,33 @@ TEST_F(RegressionImageTest, volume)
 {
   addVolume();
   expectBaseline("MandelbulbVolume");
+}
+
+// The shell that is steep, by its gradients.
+TEST_F(RegressionImageTest, volumeOfTwoValues)
+{
+  vtkVolumeProperty* property = addVolume()->GetProperty();
+  vtkNew<vtkImageData> table;
+  table->SetDimensions(64, 32, 1);
+  table->AllocateScalars(VTK_FLOAT, 4);
+  for (int y = 0; y < 32; ++y)
+  {
+    for (int x = 0; x < 64; ++x)
+    {
+      auto* pixel = static_cast<float*>(table->GetScalarPointer(x, y, 0));
+      const bool isSeen = x > 16;
+      const float steepness = static_cast<float>(y) / 31.f;
+      pixel[0] = steepness;
+      pixel[1] = static_cast<float>(x) / 63.f;
+      pixel[2] = 1.f - steepness;
+      pixel[3] = isSeen ? 0.7f * steepness : 0.f;
+    }
+  }
+  property->SetTransferFunction2D(table);
+  property->SetTransferFunctionModeTo2D();
+  property->SetInterpolationTypeToLinear();
+  property->ShadeOn();
+  expectBaseline("MandelbulbTransfer2D");
 }
 
 TEST_F(RegressionImageTest, isosurface)

@@ -141,8 +141,13 @@ class TileRenderer
 {
 public:
   TileRenderer(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
-    const RayStops& stops, const VolumeSettings& settings, bool converged, const ReferenceColors* colors)
+    const RayStops& stops, const VolumeSettings& settings, bool converged, const ReferenceColors* colors,
+    const ReferenceTable* table)
     : colors_(colors)
+    , table_(table)
+    , other_(colors ? &colors->field
+          : table   ? table->second
+                    : nullptr)
     , field_(field)
     , transferFunction_(transferFunction)
     , camera_(camera)
@@ -152,7 +157,7 @@ public:
     , ranges_(settings.skipEmpty ? &field.nodeRanges() : nullptr)
     , path_(field.octree())
     , isLit_(!blendsValues(settings.blend) && !transferFunction.hasCategories() &&
-        (settings.shading || settings.gradientOpacity))
+        (settings.shading || settings.gradientOpacity || (table && !table->second)))
     , evaluator_(field)
   {
   }
@@ -454,12 +459,12 @@ private:
     }
     const LeafField leafField(values, range);
     VertexValues colorValues;
-    if (colors_)
+    if (other_)
     {
-      colorValues = vertexValues<VertexRule::GTI>(path_, colors_->field, colorMemo_);
+      colorValues = vertexValues<VertexRule::GTI>(path_, *other_, colorMemo_);
       if (settings_.nearest)
       {
-        colorValues.fill(static_cast<float>(colors_->field.relative(path_.node())));
+        colorValues.fill(static_cast<float>(other_->relative(path_.node())));
       }
       color_.emplace(colorValues, hull(colorValues));
     }
@@ -564,13 +569,19 @@ private:
   /// t: of the point, which stands for a step's length.
   void addPoint(TileRay& ray, const LeafField& leafField, const Vec3& inLeaf, double t, double step) noexcept
   {
-    const TransferFunction::Entry e = transferFunction_.at(static_cast<float>(leafField(inLeaf)));
+    const auto value = static_cast<float>(leafField(inLeaf));
+    TransferFunction::Entry e = transferFunction_.at(value);
     if (e.extinction == 0.f)
     {
       return;
     }
+    if (table_)
+    {
+      e = table_->function.at(
+        value, color_ ? (*color_)(inLeaf) : std::sqrt(dot((*gradient_)(inLeaf), (*gradient_)(inLeaf))));
+    }
     std::array<double, 3> color{ e.r, e.g, e.b };
-    if (color_)
+    if (colors_)
     {
       const TransferFunction::Entry own = colors_->function.at(static_cast<float>((*color_)(inLeaf)));
       color = { own.r, own.g, own.b };
@@ -579,7 +590,7 @@ private:
     if (isLit_)
     {
       const Vec3 gradient = (*gradient_)(inLeaf);
-      if (settings_.gradientOpacity)
+      if (settings_.gradientOpacity && !table_)
       {
         extinction *= gradientOpacity(*settings_.gradientOpacity, gradient);
       }
@@ -636,8 +647,10 @@ private:
   }
 
   const ReferenceColors* colors_;
+  const ReferenceTable* table_;
+  const Field* other_; // of one of these
   VertexMemo colorMemo_;
-  std::optional<LeafField> color_; // of the leaf
+  std::optional<LeafField> color_; // of the other field in the leaf
   const Field& field_;
   const TransferFunction& transferFunction_;
   const Camera& camera_;
@@ -658,13 +671,13 @@ private:
 
 VolumeStatistics render(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const RayStops& stops, const VolumeSettings& settings, bool converged, const ReferenceColors* colors,
-  Image& image)
+  const ReferenceTable* table, Image& image)
 {
   tbb::combinable<VolumeStatistics> statistics;
   const int rows = (image.height + tileWidth - 1) / tileWidth;
   const int columns = (image.width + tileWidth - 1) / tileWidth;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, 1, 0, columns, 8), [&](const auto& tiles) {
-    TileRenderer renderer(field, transferFunction, camera, stops, settings, converged, colors);
+    TileRenderer renderer(field, transferFunction, camera, stops, settings, converged, colors, table);
     for (int row = tiles.rows().begin(); row < tiles.rows().end(); ++row)
     {
       for (int column = tiles.cols().begin(); column < tiles.cols().end(); ++column)
@@ -681,15 +694,16 @@ VolumeStatistics render(const Field& field, const TransferFunction& transferFunc
 
 VolumeStatistics renderVolumeReference(const Field& field, const TransferFunction& transferFunction,
   const Camera& camera, const RayStops& stops, const VolumeSettings& settings, Image& image,
-  const ReferenceColors* colors)
+  const ReferenceColors* colors, const ReferenceTable* table)
 {
-  return render(field, transferFunction, camera, stops, settings, false, colors, image);
+  return render(field, transferFunction, camera, stops, settings, false, colors, table, image);
 }
 
 void renderVolumeConverged(const Field& field, const TransferFunction& transferFunction, const Camera& camera,
   const RayStops& stops, Image& image)
 {
-  render(field, transferFunction, camera, stops, { .leastTransmittance = 0x1p-20f }, true, nullptr, image);
+  render(field, transferFunction, camera, stops, { .leastTransmittance = 0x1p-20f }, true, nullptr, nullptr,
+    image);
 }
 
 } // namespace treeamr::test

@@ -211,9 +211,9 @@ private:
     const double lit =
       Loop == VolumeLoop::Lit ? variation + table.entries[firstEntry].extinction * std::numbers::ln2 : 0.;
     block.variation = static_cast<Real>(variation + lit);
-    if (Loop == VolumeLoop::Lit && scene_.isOfMany())
+    if (Loop == VolumeLoop::Lit && (scene_.isOfMany() || scene_.readsTable()))
     {
-      block.variation = 0x1p60; // no limit: the others vary, too
+      block.variation = 0x1p60; // no limit: what else is read varies, too
     }
     const bool isSlice = scene_.features.slices && scene_.features.preIntegration;
     block.preIntegrate = Loop == VolumeLoop::Colors || isSlice ||

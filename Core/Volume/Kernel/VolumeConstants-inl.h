@@ -35,8 +35,8 @@ template <class Real>
 struct Constants
 {
   TransferFunction::Entry entries[8]; // as the table has them
-  HWY_ALIGN Real places[8];           // of loops that sample values
-  Real most;                          // of these
+  HWY_ALIGN Real places[8]; // of loops that sample values, and of tables that gradients are looked up in
+  Real most;                // of these
 };
 
 /// Of one thread.
@@ -85,6 +85,11 @@ private:
     if (scene_.mixture)
     {
       mix(node, entry);
+      if (scene_.readsGradients()) // the table is looked up at samples
+      {
+        constants_.places[octant] =
+          static_cast<Real>(scene_.transferFunction.position(value) * scene_.table.perEntry);
+      }
     }
     return Loop == VolumeLoop::Extreme || scene_.settings.blend == VolumeBlend::Average ||
       entry.extinction > 0.f;
@@ -94,6 +99,15 @@ private:
   void mix(NodeRef node, TransferFunction::Entry& entry) const noexcept
   {
     const KernelMixture& mixture = *scene_.mixture;
+    if (mixture.table)
+    {
+      if (!mixture.table->byGradient)
+      {
+        entry =
+          mixture.table->function.at(scene_.field.relative(node), mixture.parts[0]->field.relative(node));
+      }
+      return;
+    }
     const auto entryOf = [&](std::size_t part) {
       const VolumeKernelScene& scene = *mixture.parts[part];
       return scene.table.at(scene.transferFunction, static_cast<float>(scene.field.relative(node)));
@@ -130,6 +144,8 @@ private:
         entry = { color(0), color(1), color(2), static_cast<float>(extinction) };
         break;
       }
+      case VolumeMixing::Table:
+        break;
     }
   }
 
@@ -334,8 +350,12 @@ private:
     {
       const Reals<Real> middle = hn::Mul(hn::Add(part.begin, part.end), hn::Set(d, Real(0.5)));
       const Spot<Real> spot{ part.centre, { hn::Zero(d), hn::Zero(d), hn::Zero(d) } };
-      const auto effect = lighting.at(spot, hn::Sub(middle, begin), extinction);
-      extinction = hn::Mul(extinction, effect.opacity);
+      const bool readsTable = lighting.readsTable();
+      const auto effect = lighting.at(spot, hn::Sub(middle, begin),
+        readsTable ? hn::GatherIndex(d, constants.places, asWideAsLanes<Real>(part.octant)) : hn::Zero(d),
+        extinction);
+      extinction = readsTable ? hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(d)), effect.opacity)
+                              : hn::Mul(extinction, effect.opacity);
       lighting.shade(effect, hn::Set(d, Real(1)), color);
     }
     const Reals<Real> depth =

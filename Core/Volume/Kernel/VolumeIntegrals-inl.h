@@ -313,7 +313,9 @@ HWY_INLINE void lightMeans(const IntegralTable& table, const Lighting& lighting,
   }
   const Reals<Real> extinction =
     hn::Mul(mean[2][3], hn::Set(d, static_cast<Real>(std::numbers::log2e * table.unscale())));
-  const auto effect = lighting.at(locate(span, middle, lattice), hn::Mul(middle, span.step), extinction);
+  // Tables of two values have no integrals: no place is asked for.
+  const auto effect =
+    lighting.at(locate(span, middle, lattice), hn::Mul(middle, span.step), hn::Zero(d), extinction);
   for (auto& terms : mean)
   {
     Reals<Real> color[3] = { terms[0], terms[1], terms[2] };

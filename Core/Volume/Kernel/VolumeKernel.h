@@ -1,6 +1,7 @@
 // What the vectorised volume renderer is given, and its entry: one source for every instruction set.
 #pragma once
 
+#include "Field/TransferFunction2D.h"
 #include "Interpolation/BlockCache.h"
 #include "Interpolation/GradientCache.h"
 #include "Volume/Kernel/VolumeTable.h"
@@ -51,9 +52,21 @@ struct VolumeKernelScene;
 /// What other fields are to a sample.
 enum class VolumeMixing
 {
-  Colors,     // one colours it
-  Channels,   // three are its red, green and blue, as each one's function has them
-  Independent // up to four, each with colours and extinctions, among them the volume's own
+  Colors,      // one colours it
+  Channels,    // three are its red, green and blue, as each one's function has them
+  Independent, // up to four, each with colours and extinctions, among them the volume's own
+  Table        // none, or one that makes with the volume's own an entry of a table
+};
+
+/// A TransferFunction2D with extinctions as VolumeTable has them.
+struct KernelTable2D
+{
+  /// diagonal: of the domain. byGradient: the second value is the length of the field's gradient.
+  KernelTable2D(const TransferFunction2D& made, double diagonal, bool byGradient);
+
+  TransferFunction2D function;
+  bool byGradient;
+  double hidden; // of the second axis what lies below it shows nothing; infinite: nothing does
 };
 
 struct KernelMixture
@@ -62,6 +75,13 @@ struct KernelMixture
   /// Of the same view and octree, their tables with integrals.
   std::vector<std::shared_ptr<const VolumeKernelScene>> parts;
   std::array<float, 4> weights; // of what is independent
+  const KernelTable2D* table = nullptr;
+  ///@{
+  /// Of the table, per place in VolumeTable and per place of the part's or length of a gradient in GradientCache.
+  double columnsPerPlace = 0.;
+  double rowsPerPlace = 0.;
+  double firstRow = 0.;
+  ///@}
 };
 
 /// A power of cosines.
@@ -162,6 +182,9 @@ struct VolumeKernelScene
   void mix(KernelMixture others);
   /// Whether what is seen is not the transfer function's alone.
   bool isOfMany() const noexcept { return mixture && mixture->mixing == VolumeMixing::Independent; }
+  /// Whether it is a table's, and by gradients.
+  bool readsTable() const noexcept { return mixture && mixture->table; }
+  bool readsGradients() const noexcept { return readsTable() && mixture->table->byGradient; }
 
   const Field& field;
   const TransferFunction& transferFunction;
@@ -196,6 +219,7 @@ struct VolumeKernelScene
 
 private:
   void place();
+  void placeTable();
   void measurePixels();
   bool resolves() const;
 };

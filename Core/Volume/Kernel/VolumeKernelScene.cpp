@@ -286,6 +286,48 @@ void VolumeKernelScene::mix(KernelMixture others)
   {
     illumination.emplace(settings, *this);
   }
+  if (mixture->table)
+  {
+    placeTable();
+  }
+}
+
+KernelTable2D::KernelTable2D(const TransferFunction2D& made, double diagonal, bool byGradient)
+  : function(made.withExtinctionsTimes(diagonal * std::numbers::log2e))
+  , byGradient(byGradient)
+{
+  const TransferFunction2D::Axis& axis = function.second();
+  const std::vector<TransferFunction::Entry> most = function.mostOverSecond().entries();
+  const auto visible =
+    std::find_if(most.begin(), most.end(), [](const auto& entry) { return entry.extinction > 0.f; });
+  const auto row = static_cast<double>(visible - most.begin());
+  const double width = (axis.max - axis.min) / static_cast<double>(axis.size - 1);
+  hidden = visible == most.end() ? std::numeric_limits<double>::infinity()
+    : row > 0.                   ? axis.min + (row - 1.) * width
+                                 : -std::numeric_limits<double>::infinity();
+}
+
+/// By points, in place of gradient opacity.
+void VolumeKernelScene::placeTable()
+{
+  features.preIntegration = false;
+  const TransferFunction2D::Axis& axis = mixture->table->function.second();
+  const double width = axis.max - axis.min;
+  const double rows = width > 0. ? static_cast<double>(axis.size - 1) / width : 0.;
+  mixture->columnsPerPlace = 1. / table.perEntry;
+  illumination->gradientOpacity = nullptr;
+  illumination->hiddenLength = -1.;
+  if (mixture->table->byGradient)
+  {
+    const double perGradient = gradients ? gradients->scale() : 0.;
+    mixture->rowsPerPlace = perGradient > 0. ? rows / perGradient : 0.;
+    mixture->firstRow = -axis.min * rows;
+    illumination->hiddenLength = std::max(-1., mixture->table->hidden * perGradient);
+    return;
+  }
+  const IntegralTable& ofPart = *mixture->parts[0]->table.integrals;
+  mixture->rowsPerPlace = rows / ofPart.placesPerValue();
+  mixture->firstRow = (ofPart.reference() - axis.min) * rows;
 }
 
 /// Whether single precision tells neighbouring rays from each other, and the two sides of the domain: not so in far

@@ -12,8 +12,8 @@
 
 #include "Interpolation/GradientCache.h"
 #include "Volume/Kernel/VolumeBlocks-inl.h"
-#include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeMixture-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
 #include "Volume/Kernel/VolumeScattering-inl.h"
 
@@ -126,25 +126,6 @@ struct GradientBlock
   Real stepLength = 0;
 };
 
-/// The vertex values of blocks of other fields.
-template <class Real>
-struct MixedBlocks
-{
-  const KernelMixture* mixture = nullptr; // null: there are none
-  const IntegralTable* tables[4] = {};
-  Block<Real> blocks[4] = {};
-};
-
-/// What the gradient at samples does, and what colours them.
-template <class Real>
-struct LightEffect
-{
-  Reals<Real> color[3];
-  Reals<Real> opacity; // times the extinction; of many components it is that
-  Reals<Real> times[3];
-  Reals<Real> plus[3];
-};
-
 /// On some rays through a block.
 template <class Real>
 class LightOnRays
@@ -188,24 +169,32 @@ public:
     }
   }
 
-  /// Whether effects have the extinctions.
-  HWY_INLINE bool isOfMany() const
-  {
-    return mixed_.mixture && mixed_.mixture->mixing == VolumeMixing::Independent;
-  }
+  ///@{
+  /// See MixtureOnRays; whether effects have the extinctions.
+  HWY_INLINE bool isOfMany() const { return mixed_.isOfMany(); }
+  HWY_INLINE bool readsTable() const { return mixed_.readsTable(); }
+  HWY_INLINE bool makesExtinction() const { return mixed_.isOfMany() || mixed_.readsTable(); }
+  ///@}
 
-  /// At spots that rays reach after a part of t. extinction: as the table's entries have it.
-  HWY_INLINE Effect at(const Spot<Real>& spot, Reals<Real> along, Reals<Real> extinction) const
+  /// At spots that rays reach after a part of t. place: of the value there, for tables; extinction: as the table's entries
+  /// have it.
+  HWY_INLINE Effect at(
+    const Spot<Real>& spot, Reals<Real> along, Reals<Real> place, Reals<Real> extinction) const
   {
     const RealTag<Real> d;
     Effect effect;
     effect.opacity = hn::Set(d, Real(1));
-    if (mixed_.mixture)
+    const bool readsTable = mixed_.readsTable();
+    if (!mixed_.isNone() && !readsTable)
     {
-      this->mix(spot, effect);
+      mixed_.mix(spot, effect);
     }
     if (!scene_.usesGradients)
     {
+      if (readsTable)
+      {
+        mixed_.lookUp(place, hn::Zero(d), spot, effect);
+      }
       return effect;
     }
     Reals<Real> gradient[3];
@@ -216,7 +205,12 @@ public:
       gradients_[a].pairs(spot.vertex, lower, upper);
       gradient[a] = hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
     }
-    if (scene_.gradientOpacity)
+    if (readsTable)
+    {
+      mixed_.lookUp(
+        place, hn::Mul(hn::Sqrt(dotted<Real>(gradient, gradient)), hn::Set(d, stepLength_)), spot, effect);
+    }
+    else if (scene_.gradientOpacity)
     {
       const Reals<Real> length = hn::Sqrt(dotted<Real>(gradient, gradient));
       const Reals<Real> place =
@@ -238,7 +232,7 @@ public:
   /// Colours, which have been multiplied by `whole`.
   HWY_INLINE void shade(const Effect& effect, Reals<Real> whole, Reals3<Real>& color) const
   {
-    for (int c = 0; c < 3 && mixed_.mixture; ++c)
+    for (int c = 0; c < 3 && !mixed_.isNone(); ++c)
     {
       color[c] = hn::Mul(effect.color[c], whole);
     }
@@ -253,96 +247,6 @@ public:
   }
 
 private:
-  /// A part's function at spots.
-  HWY_INLINE Places<Real> placesOf(int part, const Spot<Real>& spot) const
-  {
-    const Block<Real>& block = mixed_.blocks[part];
-    Reals<Real> lower[4];
-    Reals<Real> upper[4];
-    bool isExact = true;
-    if constexpr (Block<Real>::samplesSteps)
-    {
-      isExact = block.exact;
-      if (!isExact)
-      {
-        QuantisedValues{ block.steps }.pairs(spot.vertex, lower, upper);
-      }
-    }
-    if (isExact)
-    {
-      ExactValues<Real>{ block.exact }.pairs(spot.vertex, lower, upper);
-    }
-    return findPlaces<Real>(
-      *mixed_.tables[part], inTable<Real>(block.toTable, between<Real>(spot.f, lower, upper)));
-  }
-
-  HWY_NOINLINE void mix(const Spot<Real>& spot, Effect& effect) const
-  {
-    const Places<Real> first = placesOf(0, spot);
-    switch (mixed_.mixture->mixing)
-    {
-      case VolumeMixing::Colors:
-        for (int c = 0; c < 3; ++c)
-        {
-          effect.color[c] = hn::Div(first.term[c], first.term[3]);
-        }
-        break;
-      case VolumeMixing::Channels:
-        effect.color[0] = hn::Div(first.term[0], first.term[3]);
-        for (int c = 1; c < 3; ++c)
-        {
-          const Places<Real> own = placesOf(c, spot);
-          effect.color[c] = hn::Div(own.term[c], own.term[3]);
-        }
-        break;
-      case VolumeMixing::Independent:
-        this->mixComponents(spot, first, effect);
-        break;
-    }
-  }
-
-  /// As VTK has it: the sum of the extinctions' squares by their weighted sum, which is that of the colours.
-  HWY_INLINE void mixComponents(const Spot<Real>& spot, const Places<Real>& first, Effect& effect) const
-  {
-    const RealTag<Real> d;
-    const auto count = static_cast<int>(mixed_.mixture->parts.size());
-    Reals<Real> extinctions[4];
-    Reals<Real> weighted = hn::Zero(d);
-    Reals<Real> emitted[3] = { weighted, weighted, weighted };
-    for (int part = 0; part < count; ++part)
-    {
-      const Real weight = mixed_.mixture->weights[part];
-      extinctions[part] = hn::Zero(d);
-      if (!(weight > 0))
-      {
-        continue;
-      }
-      const Places<Real> places = part == 0 ? first : placesOf(part, spot);
-      const Reals<Real> scale =
-        hn::Set(d, static_cast<Real>(std::numbers::log2e * mixed_.tables[part]->unscale()));
-      extinctions[part] = hn::Mul(hn::ZeroIfNegative(places.term[3]), scale);
-      weighted = mulAdd(hn::Set(d, weight), extinctions[part], weighted);
-      const Reals<Real> ofPart = hn::Mul(scale, hn::Set(d, weight));
-      for (int c = 0; c < 3; ++c)
-      {
-        emitted[c] = mulAdd(places.term[c], ofPart, emitted[c]);
-      }
-    }
-    const Mask<Real> isSeen = hn::Gt(weighted, hn::Zero(d));
-    const Reals<Real> one = hn::Set(d, Real(1));
-    const Reals<Real> divisor = hn::IfThenElse(isSeen, weighted, one);
-    effect.opacity = hn::Zero(d);
-    for (int part = 0; part < count; ++part) // no squares of what is opaque
-    {
-      effect.opacity = mulAdd(extinctions[part], hn::Div(extinctions[part], divisor), effect.opacity);
-    }
-    const Reals<Real> whole = hn::IfThenElse(isSeen, effect.opacity, one);
-    for (int c = 0; c < 3; ++c)
-    {
-      effect.color[c] = hn::IfThenElseZero(isSeen, hn::Div(emitted[c], whole));
-    }
-  }
-
   /// Shines on a unit normal.
   HWY_INLINE void reflect(
     const Reals3<Real>& gradient, Reals<Real> along, Reals<Real> extinction, Effect& effect) const
@@ -458,7 +362,7 @@ private:
   }
 
   const VolumeIllumination& scene_;
-  const MixedBlocks<Real>& mixed_;
+  MixtureOnRays<Real> mixed_;
   typename GradientBlock<Real>::Values gradients_[3];
   Real stepLength_;
   Reals<Real> start_[3]; // in the lights' coordinates
@@ -564,85 +468,6 @@ private:
   std::conditional_t<std::is_same_v<Real, float>, char, Real[3][128]> exact_;
   std::uint64_t kept_ = 0;
   std::uint64_t blocks_ = 0;
-};
-
-/// Where blocks of other fields are from, for one thread. Constants have what these are with their extinctions.
-template <class Real>
-class MixtureSource
-{
-public:
-  explicit MixtureSource(const VolumeKernelScene& scene)
-  {
-    if (scene.mixture && !scene.features.constants)
-    {
-      blocks_.mixture = &*scene.mixture;
-      for (std::size_t i = 0; i < scene.mixture->parts.size(); ++i)
-      {
-        const VolumeKernelScene& part = *scene.mixture->parts[i];
-        sources_.push_back(std::make_unique<Source>(part));
-        blocks_.tables[i] = part.table.integrals.get();
-        hasCorners_ = hasCorners_ || part.field.corners();
-      }
-      isOfMany_ = scene.isOfMany();
-      skips_ = scene.settings.skipEmpty;
-    }
-  }
-
-  /// Finds the values of the children of the path's node, or computes and keeps them. False when nothing of several
-  /// components is visible.
-  bool prepare(const BlockPath& path, BlockCells cells, double leafWidth)
-  {
-    bool isVisible = !isOfMany_ || !skips_;
-    for (std::size_t i = 0; i < sources_.size(); ++i)
-    {
-      sources_[i]->prepare(path, cells, leafWidth, blocks_.blocks[i]);
-      isVisible = isVisible || isSeen(i);
-    }
-    return isVisible;
-  }
-  /// Of a node whose value is the same everywhere in it.
-  void useConstant(NodeRef node)
-  {
-    for (std::size_t i = 0; i < sources_.size(); ++i)
-    {
-      const double place = blocks_.tables[i]->placeOf(blocks_.mixture->parts[i]->field.relative(node));
-      blocks_.blocks[i] = sources_[i]->constant(static_cast<Real>(place), 0, true);
-    }
-  }
-  bool hasCorners() const noexcept { return hasCorners_; }
-
-  const MixedBlocks<Real>& blocks() const noexcept { return blocks_; }
-  VolumeStatistics statistics() const noexcept
-  {
-    VolumeStatistics all;
-    for (const auto& source : sources_)
-    {
-      all += source->statistics();
-    }
-    return all;
-  }
-
-private:
-  using Source = BlockSource<Real, VolumeLoop::Colors>;
-
-  /// Whether a part shows something of its block's hull.
-  bool isSeen(std::size_t i) const noexcept
-  {
-    const IntegralTable& table = *blocks_.tables[i];
-    const auto valueAt = [&](Real place) {
-      return static_cast<float>(table.reference() + static_cast<double>(place) / table.placesPerValue());
-    };
-    const ToTable<Real>& hull = blocks_.blocks[i].toTable;
-    constexpr float far = std::numeric_limits<float>::infinity();
-    return blocks_.mixture->parts[i]->transferFunction.isVisible(
-      { std::nextafter(valueAt(hull.first), -far), std::nextafter(valueAt(hull.last), far) });
-  }
-
-  std::vector<std::unique_ptr<Source>> sources_;
-  MixedBlocks<Real> blocks_;
-  bool isOfMany_ = false;
-  bool hasCorners_ = false;
-  bool skips_ = false;
 };
 
 } // namespace HWY_NAMESPACE

@@ -428,9 +428,11 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
     any = hn::Max(any, extinction[k]);
   }
   bool isOfMany = false;
+  [[maybe_unused]] bool makesExtinction = false;
   if constexpr (Lighting::isLit)
   {
     isOfMany = lighting.isOfMany();
+    makesExtinction = lighting.makesExtinction();
   }
   if (!isOfMany && hn::AllFalse(d, hn::Gt(any, hn::Zero(d))))
   {
@@ -449,10 +451,12 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
         continue;
       }
       const Reals<Real> steps = hn::Set(d, i + static_cast<Real>(k) + Real(0.5));
-      effects[k] = lighting.at(spots[k], hn::Mul(steps, span.step), extinction[k]);
+      effects[k] = lighting.at(spots[k], hn::Mul(steps, span.step), position[k], extinction[k]);
       const Mask<Real> isTaken = hn::Lt(hn::Set(d, i + static_cast<Real>(k)), span.samples);
-      extinction[k] = isOfMany ? hn::IfThenElseZero(isTaken, effects[k].opacity)
-                               : hn::Mul(extinction[k], effects[k].opacity);
+      // Whether a ray's sample counts must not depend on its neighbours'.
+      const Mask<Real> isCounted = isOfMany ? isTaken : hn::Gt(extinction[k], hn::Zero(d));
+      extinction[k] = makesExtinction ? hn::IfThenElseZero(isCounted, effects[k].opacity)
+                                      : hn::Mul(extinction[k], effects[k].opacity);
     }
     held[k] = heldBack(hn::Neg(hn::Mul(extinction[k], span.depthPerExtinction)));
   }
