@@ -471,6 +471,11 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   return scene;
 }
 
+bool Volume::canScatter() const noexcept
+{
+  return !mixture_ || (mixture_->mixing != VolumeMixing::Independent && mixture_->mixing != VolumeMixing::Table);
+}
+
 /// Shadows take memory while frames use them alone.
 void Volume::scatter(const VolumeSettings& settings, VolumeKernelScene& scene)
 {
@@ -478,6 +483,10 @@ void Volume::scatter(const VolumeSettings& settings, VolumeKernelScene& scene)
   {
     shadows_ = nullptr;
     return;
+  }
+  if (!canScatter())
+  {
+    throw Error("volume: scattered light, and several components or a function of two values: allowed is one of both");
   }
   if (!shadows_ || shadows_->gradientOpacity() != settings.gradientOpacity)
   {

@@ -86,6 +86,8 @@ public:
   /// table.mostOverFirst(), of all other fields, and of gradient opacity. Sampled by points. Blends of values do not
   /// read it. Throws Error, and keeps what was there, as setColors().
   void setTable(std::shared_ptr<const Field> second, const TransferFunction2D& table);
+  /// Whether its light may be scattered: it is as opaque as the transfer function of its own values has it.
+  bool canScatter() const noexcept;
   /// Whether any of these four makes samples' colours.
   bool hasColors() const noexcept { return static_cast<bool>(mixture_); }
 

@@ -12,6 +12,7 @@
 #include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVTransferFunction2D.h"
 #include "vtkPiecewiseFunction.h"
 #include "vtkTable.h"
 #include "vtkTreeAMRVolumeMapper.h"
@@ -121,6 +122,10 @@ std::set<std::string> vtkTreeAMRVolumeRepresentation::GetShownArrays()
   {
     names.insert(this->OpacityArray);
   }
+  if (this->UsesTransfer2D && !this->UsesGradient && !this->SecondArray.empty())
+  {
+    names.insert(this->SecondArray);
+  }
   return names;
 }
 
@@ -169,7 +174,12 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
                     << " components; needed are 2 (colour, opacity) or 4 (red, green, blue, opacity).");
   }
   this->MappedInVain = inVain;
-  this->Mapper->SetOpacityArrayName(this->UsesOpacityArray ? this->OpacityArray.c_str() : "");
+  this->Mapper->SetOpacityArrayName(
+    this->UsesOpacityArray && !this->UsesTransfer2D ? this->OpacityArray.c_str() : "");
+  this->Property->SetTransferFunctionMode(
+    this->UsesTransfer2D ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
+  this->Mapper->SetTransfer2DYAxisArray(
+    this->UsesTransfer2D && !this->UsesGradient ? this->SecondArray.c_str() : "");
   // A domain of ParaView's makes it negative for a grid of which VTK 9.3 knows no bounds (computeLocalBounds()).
   double distance = this->UnitDistance;
   if (distance <= 0.)
@@ -218,12 +228,32 @@ void vtkTreeAMRVolumeRepresentation::SetScalarOpacity(vtkPiecewiseFunction* opac
 void vtkTreeAMRVolumeRepresentation::SelectOpacityArray(
   int vtkNotUsed(index), int vtkNotUsed(port), int vtkNotUsed(connection), int association, const char* name)
 {
-  this->OpacityArray = name ? name : "";
-  if (!this->OpacityArray.empty() && association != vtkDataObject::CELL)
+  this->OpacityArray = this->TakeCellArray("OpacityArrayName", association, name);
+}
+
+//------------------------------------------------------------------------------
+std::string vtkTreeAMRVolumeRepresentation::TakeCellArray(
+  const char* property, int association, const char* name)
+{
+  if (name && *name && association != vtkDataObject::CELL)
   {
-    vtkWarningMacro(
-      "OpacityArrayName: '" << name << "' is taken of the cells, as all of a hyper tree grid's.");
+    vtkWarningMacro(<< property << ": '" << name
+                    << "' is taken of the cells, as all of a hyper tree grid's.");
   }
+  return name ? name : "";
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SetTransferFunction2D(vtkPVTransferFunction2D* function)
+{
+  this->Property->SetTransferFunction2D(function ? function->GetFunction() : nullptr);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::SelectColorArray2(
+  int vtkNotUsed(index), int vtkNotUsed(port), int vtkNotUsed(connection), int association, const char* name)
+{
+  this->SecondArray = this->TakeCellArray("ColorArray2Name", association, name);
 }
 
 //------------------------------------------------------------------------------

@@ -16,6 +16,7 @@
 
 class vtkColorTransferFunction;
 class vtkImplicitFunction;
+class vtkPVTransferFunction2D;
 class vtkPiecewiseFunction;
 class vtkVolume;
 
@@ -72,6 +73,15 @@ public:
   void SetUseSeparateOpacityArray(bool use) { this->UsesOpacityArray = use; }
   void SelectOpacityArray(int index, int port, int connection, int association, const char* name);
   void SelectOpacityArrayComponent(int component) { this->Mapper->SetOpacityComponent(component); }
+  ///@}
+  ///@{
+  /// As ParaView's Volume: colours and opacities by two values, the second one the length of the gradient (default) or an
+  /// array's; component: as SelectOpacityArrayComponent(). The opacity array has no effect then.
+  void SetTransferFunction2D(vtkPVTransferFunction2D* function);
+  void SetUseTransfer2D(bool use) { this->UsesTransfer2D = use; }
+  void SetUseGradientForTransfer2D(bool use) { this->UsesGradient = use; }
+  void SelectColorArray2(int index, int port, int connection, int association, const char* name);
+  void SelectColorArray2Component(int component) { this->Mapper->SetTransfer2DYAxisComponent(component); }
   ///@}
   ///@{
   /// As ParaView's Volume: whether two components of an array are colour and opacity, and four are these themselves, but
@@ -137,6 +147,7 @@ protected:
   void UpdateMapper(vtkAlgorithmOutput* grid) override;
   void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) override
   {
+    this->Mapper->AgreeOnTransfer2DRange(this->Volume, largest);
     this->Mapper->AgreeOnDrafts(renderer, this->Volume, largest);
   }
 
@@ -145,14 +156,19 @@ private:
   void operator=(const vtkTreeAMRVolumeRepresentation&) = delete;
 
   bool HasSurfaces();
+  /// Of cells, in a property of this name.
+  std::string TakeCellArray(const char* property, int association, const char* name);
   double GetStatistic(const char* name);
 
   double UnitDistance = 1.;
   bool UsesOpacityArray = false;
+  bool UsesTransfer2D = false;
+  bool UsesGradient = true;
   bool MapsScalars = true;
   std::string MappedInVain; // array of which that was said
   bool MapsComponents = false;
   std::string OpacityArray;
+  std::string SecondArray; // of TransferFunction2D
   double CroppingOrigin[3] = { 0., 0., 0. };
   double CroppingScale[3] = { 1., 1., 1. };
   double DataBounds[6] = { 0., 0., 0., 0., 0., 0. }; // of all ranks' grids

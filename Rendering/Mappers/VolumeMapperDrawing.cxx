@@ -161,7 +161,8 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
     this->UpdateVolume(volume);
     this->Private->Effects = treeamr::convertVolumeEffects(
       renderer, volume, this, this->Private->Volume->field(), this->GetComponentOfUnitDistance());
-    if (this->Private->Effects.shading && this->VolumetricScatteringBlending > 0.f)
+    if (this->Private->Effects.shading && this->VolumetricScatteringBlending > 0.f &&
+      this->Private->Volume->canScatter())
     {
       this->Private->Effects.shading->scattering =
         treeamr::convertScattering(volume->GetProperty(), this->Private->Volume->field(),

@@ -337,6 +337,11 @@ TEST(VolumeScattering, RefusesWhatIsNoScattering)
     Image image(width, height);
     EXPECT_THROW(renderVolume(*field, even(), view.camera(), {}, settings, image), Error);
   };
+  Volume components = volumeOf(*field, even());
+  components.setComponents({ { field, even() } });
+  EXPECT_FALSE(components.canScatter());
+  Image image(width, height);
+  EXPECT_THROW(components.render(view.camera(), scattering(view, lights[0]), image), Error);
   refused([](VolumeScattering& s) { s.blending = 0.f; });
   refused([](VolumeScattering& s) { s.blending = 2.5f; });
   refused([](VolumeScattering& s) { s.reach = -1.; });

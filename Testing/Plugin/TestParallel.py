@@ -16,7 +16,7 @@ import scene
 # composited.
 BOUNDS = {
     "Volume": 2, "Isosurface": 1, "Both": 2, "Uniform": 2, "Hexahedra": 2, "Copies": 2, "FirstRank": 2,
-    "OtherArray": 2, "TwoArrays": 2, "Redistributed": 1}
+    "OtherArray": 2, "TwoArrays": 2, "TwoValues": 2, "TwoValuesOfArrays": 2, "Redistributed": 1}
 
 
 def closed(contour):
@@ -139,6 +139,16 @@ grid.GetCellData().AddArray(height)
     shown.UseSeparateOpacityArray = 1
     shown.OpacityArrayName = ["CELLS", "Depth"]
     scene.picture(view, f"TwoArrays-{ranks}")
+    shown.UseSeparateOpacityArray = 0
+    function = shown.TransferFunction2D
+    function.Range = [0, 5, 0, 1]
+    function.OutputDimensions = [64, 64]
+    function.Boxes = [-2, -0.5, 6, 2, 1, 0.5, 0, 0.9]
+    shown.UseTransfer2D = 1
+    scene.picture(view, f"TwoValues-{ranks}")
+    shown.UseGradientForTransfer2D = 0
+    shown.ColorArray2Name = ["CELLS", "Depth"]
+    scene.picture(view, f"TwoValuesOfArrays-{ranks}")
     simple.Hide(more, view)
 
     # All cells alike: what is seen is how ranks are composited.

@@ -99,6 +99,61 @@ output.GetCellData().AddArray(array)
         self.assertTrue(scene.close((self.picture("two-arrays-green")[..., 1], two[..., 0])))
         self.representation.UseSeparateOpacityArray = 0
 
+    def test_function_of_two_values(self):
+        """The second axis is the gradient's length, or an array: x, of which one half is drawn."""
+        with_x = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+from vtkmodules.vtkCommonDataModel import vtkHyperTreeGridNonOrientedGeometryCursor
+grid = self.GetOutputDataObject(0)
+grid.ShallowCopy(self.GetInputDataObject(0, 0))
+x = vtkDoubleArray()
+x.SetName("x")
+x.SetNumberOfValues(grid.GetNumberOfCells())
+cursor = vtkHyperTreeGridNonOrientedGeometryCursor()
+def visit():
+    bounds = [0.0] * 6
+    cursor.GetBounds(bounds)
+    x.SetValue(cursor.GetGlobalNodeIndex(), (bounds[0] + bounds[1]) / 2)
+    for child in range(0 if cursor.IsLeaf() else cursor.GetNumberOfChildren()):
+        cursor.ToChild(child)
+        visit()
+        cursor.ToParent()
+for tree in range(grid.GetMaxNumberOfTrees()):
+    grid.InitializeNonOrientedGeometryCursor(cursor, tree)
+    visit()
+grid.GetCellData().AddArray(x)
+""")
+        simple.Hide(self.source, self.view)
+        self.representation = simple.Show(with_x, self.view)
+        self.show(rgb=(1, 0, 0))
+        self.look_along_z()
+        one = self.picture("one-value")
+        self.assertEqual((0, 1), (self.representation.UseTransfer2D, self.representation.UseGradientForTransfer2D))
+        function = self.representation.TransferFunction2D
+        function.Range = [0, 64, 0, 4]
+        function.OutputDimensions = [64, 64]
+        function.Boxes = [-64, -4, 192, 12, 0, 1, 0, 0.9]  # wider than its range, or its middle alone is opaque
+        self.assertTrue(scene.close((self.picture("not-two"), one)))
+        self.representation.UseTransfer2D = 1
+        gradients = self.picture("by-gradients")
+        self.assertGreater(scene.drawn(gradients).mean(), 0.1)
+        self.assertEqual(0, gradients[..., 0].max())
+        self.assertGreater(gradients[..., 1].max(), 100)
+        self.representation.UseGradientForTransfer2D = 0
+        self.representation.ColorArray2Name = ["CELLS", "x"]
+        function.Boxes = [-64, 0, 192, 1.5, 0, 0, 1, 0.9]
+        half = self.picture("by-x")
+        columns = half[..., 2].max(axis=0)
+        middle = len(columns) // 2
+        self.assertGreater(columns[:middle].max(), 100)
+        self.assertEqual(0, half[..., :2].max())
+        self.assertEqual(0, columns[middle:].max())
+        # What was chosen for another array: the magnitude, as of opacities.
+        self.representation.ColorArray2Component = 3
+        self.assertTrue(scene.close((self.picture("by-x-magnitude"), half)))
+        self.representation.UseTransfer2D = 0
+        self.assertTrue(scene.close((self.picture("one-value-again"), one)))
+
     def test_components(self):
         """Four of them are red, green, blue and opacity by its function; ParaView's names and defaults."""
         vectors = simple.ProgrammableFilter(Input=self.source, OutputDataSetType="Same as Input", Script="""
