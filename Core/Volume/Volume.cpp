@@ -479,14 +479,15 @@ bool Volume::canScatter() const noexcept
 /// Shadows take memory while frames use them alone.
 void Volume::scatter(const VolumeSettings& settings, VolumeKernelScene& scene)
 {
-  if (!scene.illumination || !scene.illumination->shades || !settings.shading->scattering)
+  const bool isAsked = settings.shading && settings.shading->scattering && !blendsValues(settings.blend);
+  if (isAsked && !canScatter())
+  {
+    throw Error("volume: scattered light, and several components or a function of two values: allowed is one of both");
+  }
+  if (!isAsked || !scene.illumination || !scene.illumination->shades)
   {
     shadows_ = nullptr;
     return;
-  }
-  if (!canScatter())
-  {
-    throw Error("volume: scattered light, and several components or a function of two values: allowed is one of both");
   }
   if (!shadows_ || shadows_->gradientOpacity() != settings.gradientOpacity)
   {

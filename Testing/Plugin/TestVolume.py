@@ -426,11 +426,10 @@ grid.GetCellData().AddArray(array)
 
     def test_scattered_light(self):
         """Of a light behind the eye, dimmed on its way as what is seen of it: all of an even volume's light, of which what
-        is nearer than a 96th of its width dims nothing. By ParaView's names; without *Shade* there is none."""
+        is nearer than a 96th of its width dims nothing. By ParaView's names."""
         self.show(rgb=(1, 1, 1), opacity=0.5)
         self.look_along_z()
         self.representation.ScalarOpacityUnitDistance = 1
-        flat = self.picture("unlit-even")
         self.view.UseLight = 0
         light = simple.AddLight(view=self.view)
         light.Coords = "Scene"
@@ -438,10 +437,8 @@ grid.GetCellData().AddArray(array)
         light.Position = [2, 2, 20]
         light.FocalPoint = [2, 2, 2]
         self.assertEqual(0, self.representation.VolumetricScatteringBlending)
-        self.representation.VolumetricScatteringBlending = 2
-        self.representation.GlobalIlluminationReach = 1
-        self.assertTrue(scene.close((flat, self.picture("scattered-unlit"))))
         self.representation.Shade = 1
+        self.representation.VolumetricScatteringBlending = 2
         self.representation.Diffuse = 0.8
         ways = (numpy.arange(4000) + 0.5) / 1000
         extinction = numpy.log(2)
