@@ -266,11 +266,9 @@ void PropertyFunctions::restart()
   grays_ ? grays_->choose(0) : colors_->choose(0);
 }
 
-double PropertyFunctions::valueOf(
-  const OpacitySegments& functions, std::size_t next, double relative) const
+double PropertyFunctions::valueOf(const OpacitySegments& functions, std::size_t next, double relative) const
 {
-  const bool isNode =
-    relative == end_ && next < functions.count() && functions.node(next) - offset_ == end_;
+  const bool isNode = relative == end_ && next < functions.count() && functions.node(next) - offset_ == end_;
   return isNode ? functions.atNode(next) : functions.at(offset_ + relative);
 }
 

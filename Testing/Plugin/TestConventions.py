@@ -17,7 +17,7 @@ PLUGIN_XML = sys.argv[1]
 # than its Volume; the two colours belong to the choice of arrays.
 SHOWN = {
     "Input", "Representation", "ColorArrayName", "LookupTable", "AmbientColor", "DiffuseColor",
-    "BlockColors", "BlockOpacities", "BlockSelectors", "MultiComponentsMapping",
+    "MultiComponentsMapping",
     scene.TRANSLATION, "Scale", "Orientation", "Origin", "Pickable",
     "Ambient", "Diffuse", "Specular", "SpecularPower", "MapScalars"}
 SHOWN_OF_ISOSURFACES = {"SpecularColor", "Opacity", "Interpolation"}
@@ -150,7 +150,7 @@ class TestConventions(scene.TestCase):
         for proxy in root.iter():
             if proxy.get("name") in (
                     "TreeAMRRepresentation", "TreeAMRVolumeRepresentation", "TreeAMRIsosurfaceRepresentation"):
-                names |= {child.get("name") for child in proxy if child.tag.endswith("VectorProperty") and
+                names |= {scene.of_display(child.get("name")) for child in proxy if child.tag.endswith("VectorProperty") and
                           child.get("is_internal") != "1" and child.get("information_only") != "1"}
         return names - {"Visibility", "ForceUseCache", "ForcedCacheKey", "ColorArrayName"}
 
@@ -207,8 +207,11 @@ class TestConventions(scene.TestCase):
             surface = manager.GetPrototypeProxy("representations", "SurfaceRepresentation")
             panel = manager.GetPrototypeProxy("representations", "HyperTreeGridRepresentation")
             visible = set()
-            for name in self.names_of(surface):
+            for name in map(scene.of_display, self.names_of(surface)):
                 prop = panel.GetProperty(name)
+                # Those of blocks have an inspector of their own.
+                if name.startswith("Block") or name in ("Assembly", "SelectedBlockSelectors"):
+                    continue
                 if prop and not prop.GetIsInternal() and not prop.GetInformationOnly() and \
                         prop.GetPanelVisibility() != "never" and name not in hidden:
                     visible.add(name)

@@ -150,7 +150,7 @@ class TestDocumentation(unittest.TestCase):
         found = {name: row for table in tables for name, row in rows(table).items()}
         seen = set()
         for element in elements:
-            name = element.get("name")
+            name = scene.of_display(element.get("name"))
             smproperty = proxy.SMProxy.GetProperty(name)
             if is_hidden(element, smproperty):
                 continue

@@ -22,6 +22,11 @@ PARAVIEW = (servermanager.vtkSMProxyManager.GetVersionMajor(), servermanager.vtk
 TRANSLATION = "Translation" if PARAVIEW >= (5, 13) else "Position"
 
 
+def of_display(name):
+    """What displays call a property of their representations."""
+    return TRANSLATION if name == "Position" else name
+
+
 class TestCase(unittest.TestCase):
     """Each test has a session of its own. What it keeps in its attributes must be released before the next
     one: a view that outlives its session takes the OpenGL context with it."""
