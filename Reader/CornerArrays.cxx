@@ -3,19 +3,28 @@
 #include "Field/CornerValues.h"
 
 #include "vtkCellData.h"
-#include "vtkDataArray.h"
+#include "vtkCharArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFloatArray.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
-#include "vtkInformationDoubleVectorKey.h"
-#include "vtkInformationInformationVectorKey.h"
 #include "vtkInformationIntegerKey.h"
-#include "vtkInformationVector.h"
-#include "vtkNew.h"
+#include "vtkIntArray.h"
+#include "vtkLongArray.h"
+#include "vtkLongLongArray.h"
+#include "vtkObjectFactory.h"
+#include "vtkShortArray.h"
+#include "vtkSignedCharArray.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnsignedCharArray.h"
+#include "vtkUnsignedIntArray.h"
+#include "vtkUnsignedLongArray.h"
+#include "vtkUnsignedLongLongArray.h"
+#include "vtkUnsignedShortArray.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <limits>
 #include <sstream>
 #include <string>
 
@@ -27,6 +36,104 @@ namespace
 
 constexpr std::array<const char*, cornerCount> names{ "000", "100", "010", "110", "001", "101", "011",
   "111" };
+
+/// The magnitude and each component have the range of all: asked of the array or, in VTK 9.3, of the data that hold it. The
+/// functions with ghosts override nothing in VTK 9.1.
+template <class Array>
+class CornerArray : public Array
+{
+public:
+  vtkTemplateTypeMacro(CornerArray<Array>, Array);
+  static CornerArray* New() { VTK_STANDARD_NEW_BODY(CornerArray<Array>); }
+
+protected:
+  using Ghosts = const unsigned char*;
+
+  bool ComputeScalarRange(double* ranges) override
+  {
+    return joined(ranges, Array::ComputeScalarRange(ranges));
+  }
+  bool ComputeScalarRange(double* ranges, Ghosts ghosts, unsigned char skipped)
+  {
+    return joined(ranges, Array::ComputeScalarRange(ranges, ghosts, skipped));
+  }
+  bool ComputeFiniteScalarRange(double* ranges) override
+  {
+    return joined(ranges, Array::ComputeFiniteScalarRange(ranges));
+  }
+  bool ComputeFiniteScalarRange(double* ranges, Ghosts ghosts, unsigned char skipped)
+  {
+    return joined(ranges, Array::ComputeFiniteScalarRange(ranges, ghosts, skipped));
+  }
+  bool ComputeVectorRange(double range[2]) override
+  {
+    Ranges all;
+    return first(range, all, this->ComputeScalarRange(all.data()));
+  }
+  bool ComputeVectorRange(double range[2], Ghosts ghosts, unsigned char skipped)
+  {
+    Ranges all;
+    return first(range, all, this->ComputeScalarRange(all.data(), ghosts, skipped));
+  }
+  bool ComputeFiniteVectorRange(double range[2]) override
+  {
+    Ranges all;
+    return first(range, all, this->ComputeFiniteScalarRange(all.data()));
+  }
+  bool ComputeFiniteVectorRange(double range[2], Ghosts ghosts, unsigned char skipped)
+  {
+    Ranges all;
+    return first(range, all, this->ComputeFiniteScalarRange(all.data(), ghosts, skipped));
+  }
+
+private:
+  using Ranges = std::array<double, 2 * cornerCount>;
+
+  static bool joined(double* ranges, bool hasAny)
+  {
+    for (int c = 1; c < cornerCount; ++c)
+    {
+      ranges[0] = std::min(ranges[0], ranges[2 * c]);
+      ranges[1] = std::max(ranges[1], ranges[2 * c + 1]);
+    }
+    for (int c = 1; c < cornerCount; ++c)
+    {
+      std::copy_n(ranges, 2, ranges + 2 * c);
+    }
+    return hasAny;
+  }
+  static bool first(double range[2], const Ranges& all, bool hasAny)
+  {
+    std::copy_n(all.data(), 2, range);
+    return hasAny;
+  }
+};
+
+template <class... Arrays>
+struct Types
+{
+};
+using CornerTypes = Types<vtkFloatArray, vtkDoubleArray, vtkCharArray, vtkSignedCharArray,
+  vtkUnsignedCharArray, vtkShortArray, vtkUnsignedShortArray, vtkIntArray, vtkUnsignedIntArray, vtkLongArray,
+  vtkUnsignedLongArray, vtkLongLongArray, vtkUnsignedLongLongArray>;
+
+/// With the array's own memory; null for arrays that have no such, or have that range already.
+template <class... Arrays>
+vtkSmartPointer<vtkDataArray> withOneRange(vtkDataArray& array, Types<Arrays...>)
+{
+  vtkSmartPointer<vtkDataArray> result;
+  const auto tryType = [&]<class Array>(Array* typed) {
+    if (typed && !dynamic_cast<CornerArray<Array>*>(typed))
+    {
+      result = vtkSmartPointer<CornerArray<Array>>::New();
+      result->ShallowCopy(typed);
+      result->CopyInformation(typed->GetInformation());
+    }
+    return typed != nullptr;
+  };
+  (tryType(vtkArrayDownCast<Arrays>(&array)) || ...);
+  return result;
+}
 
 } // namespace
 
@@ -76,25 +183,14 @@ void setCornerRanges(vtkHyperTreeGrid& grid)
     {
       continue;
     }
-    std::array<double, 2> all{ std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest() };
-    for (int c = 0; c < cornerCount; ++c)
+    if (const vtkSmartPointer<vtkDataArray> copy = withOneRange(*array, CornerTypes()))
     {
-      std::array<double, 2> range;
-      array->GetFiniteRange(range.data(), c);
-      all = { std::min(all[0], range[0]), std::max(all[1], range[1]) };
-    }
-    vtkInformation* const info = array->GetInformation();
-    info->Set(vtkDataArray::L2_NORM_RANGE(), all.data(), 2);
-    info->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), all.data(), 2);
-    for (auto* const key : { vtkAbstractArray::PER_COMPONENT(), vtkAbstractArray::PER_FINITE_COMPONENT() })
-    {
-      vtkNew<vtkInformationVector> ofComponents;
-      ofComponents->SetNumberOfInformationObjects(cornerCount);
-      for (int c = 0; c < cornerCount; ++c)
+      const bool isActive = cells->GetScalars() == array;
+      cells->AddArray(copy); // in its place
+      if (isActive)
       {
-        ofComponents->GetInformationObject(c)->Set(vtkDataArray::COMPONENT_RANGE(), all.data(), 2);
+        cells->SetActiveScalars(copy->GetName());
       }
-      info->Set(key, ofComponents);
     }
   }
 }

@@ -29,7 +29,7 @@ VTKTREEAMRREADER_EXPORT void markAsCorners(vtkDataArray& array);
 VTKTREEAMRREADER_EXPORT bool isAtCorners(vtkDataArray& array);
 
 /// Gives the cell arrays of values at corners the hull of these as the range of their magnitude and of each component, which
-/// ParaView colours by: whichever is chosen, the scalar that all of them are is drawn. Copies of an array do not have it.
+/// ParaView colours by: whichever is chosen, the scalar that all of them are is drawn. Puts others in the place of the arrays.
 VTKTREEAMRREADER_EXPORT void setCornerRanges(vtkHyperTreeGrid& grid);
 
 /// Of the field that an array stands for: 1 of values at corners.
