@@ -145,6 +145,7 @@ grid.GetCellData().AddArray(height)
     function.OutputDimensions = [64, 64]
     function.Boxes = [-2, -0.5, 6, 2, 1, 0.5, 0, 0.9]
     shown.UseTransfer2D = 1
+    shown.SamplesPerCell = 64  # points, which are others where ranks cut rays
     scene.picture(view, f"TwoValues-{ranks}")
     shown.UseGradientForTransfer2D = 0
     shown.ColorArray2Name = ["CELLS", "Depth"]
