@@ -171,16 +171,24 @@ private:
       add(
         { isOfPieces ? static_cast<float>(value) : value, shownEnd_.value_or(entry), shown.value_or(entry) });
     }
-    else if (distance(end_, atEnd_) <= distance(above, atEnd_))
-    {
-      // The next float is the first that is above.
-      const auto nearest = static_cast<float>(value);
-      add({ nearest > value ? nearest : std::nextafter(nearest, std::numeric_limits<float>::infinity()),
-        atEnd_, shown.value_or(above) });
-    }
     else
     {
-      add({ value, shownEnd_.value_or(end_), shown.value_or(above) });
+      const double fromEnd = distance(end_, atEnd_);
+      const double fromAbove = distance(above, atEnd_);
+      // A colour of the one side with the opacity of the other is of neither.
+      const bool isOwn = std::min(fromEnd, fromAbove) > 1. / 512.;
+      const bool isOfEnd = fromEnd <= fromAbove;
+      if (isOwn || !isOfEnd)
+      {
+        add({ value, shownEnd_.value_or(end_), isOwn ? atEnd_ : shown.value_or(above) });
+      }
+      if (isOwn || isOfEnd)
+      {
+        // The next float is the first that is above.
+        const auto nearest = static_cast<float>(value);
+        add({ nearest > value ? nearest : std::nextafter(nearest, std::numeric_limits<float>::infinity()),
+          atEnd_, shown.value_or(above) });
+      }
     }
   }
 
