@@ -1,7 +1,8 @@
 # Debian packages by CPack, from a build for the prefix /usr (`make package`): treeamr and treeamr-dev.
 #
 # What the libraries depend on is computed (dpkg-shlibdeps). ParaView's programs load the plugins that a file beside them
-# lists, paraview.conf, which Debian's packages leave out: so no environment is needed.
+# lists, paraview.conf, which Debian's packages leave out: so no environment is needed. Those of ParaView are listed, too, for it
+# then looks for them nowhere else.
 
 if (NOT PROJECT_IS_TOP_LEVEL OR NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr" OR NOT TREEAMR_WITH_PLUGIN)
   return ()
@@ -10,8 +11,9 @@ endif ()
 set(maintainer "The TreeAMR authors <maintainers@treeamr.example>")
 set(revision 1)
 
-file(RELATIVE_PATH plugins "${CMAKE_INSTALL_FULL_BINDIR}" "/usr/${TREEAMR_PLUGIN_DIR}/treeamr.plugins.xml")
-file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" "${plugins}\n")
+file(RELATIVE_PATH plugins "${CMAKE_INSTALL_FULL_BINDIR}" "/usr/${TREEAMR_PLUGIN_DIR}")
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf"
+  "${plugins}/paraview.plugins.xml\n${plugins}/treeamr.plugins.xml\n")
 install(FILES "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" DESTINATION "${CMAKE_INSTALL_BINDIR}")
 
 # What Debian's policy wants in each package (chapters 4.4 and 12.5).
