@@ -389,7 +389,7 @@ ContourMesh contour(const Field& field, double isovalue, const ContourOptions& o
     throw Error("contour: isovalue " + std::to_string(isovalue) + ", allowed are finite values");
   }
   const auto goesOn = [&](double done) { return !options.progress || options.progress(done); };
-  Extraction extraction(field, isovalue - field.offset(), options.box);
+  Extraction extraction(field, field.stored(isovalue), options.box);
   const std::vector<Task> tasks = extraction.tasks();
   std::vector<ContourPart> parts(tasks.size());
   constexpr std::size_t steps = 8;

@@ -47,7 +47,7 @@ struct ContourOptions
   std::function<bool(double)> progress = {};
 };
 
-/// The surface where the field passes the isovalue; at the isovalue is inside. A point on an edge of an
+/// The surface where the field passes the isovalue, rounded as values are; at the isovalue is inside. A point on an edge of an
 /// octant lies where the trilinear field has the isovalue, but at least 2^-24 of the edge away from its ends:
 /// nothing collapses where vertices have the isovalue. Gradients are continuous across all levels: interpolated
 /// between those of the vertices (BlockGradients.h).

@@ -61,6 +61,8 @@ public:
   double value(NodeRef node) const noexcept { return offset_ + relative(node); }
   /// What the stored values are less.
   double offset() const noexcept { return offset_; }
+  /// What cells of a value have: relative, rounded.
+  float stored(double value) const noexcept { return static_cast<float>(value - offset_); }
   /// value() less offset().
   double relative(NodeRef node) const noexcept
   {

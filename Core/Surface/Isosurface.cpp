@@ -44,11 +44,24 @@ std::vector<double> checked(std::vector<double> isovalues)
   return isovalues;
 }
 
-std::vector<double> relative(std::vector<double> isovalues, double offset)
+/// Less the field's offset. Of values that cells have, as they have them, and by less than anybody sees below: what is at
+/// the isovalue is inside, as contours have it, so that of a plateau no more than its lower end is on the surface.
+std::vector<double> relative(std::vector<double> isovalues, const Field& field)
 {
+  const LargeVector<float>& values = field.leafValues();
+  const double min = field.range().min;
+  const double max = field.range().max;
+  constexpr double ofRange = 0x1p-16; // by which fields' values are rounded at most, or they would have an offset
+  constexpr double unseen = 0x1p-46;  // yet more than rounding makes of plateaus
   for (double& isovalue : isovalues)
   {
-    isovalue -= offset;
+    const float stored = field.stored(isovalue);
+    isovalue -= field.offset();
+    if (!field.corners() && std::abs(stored - isovalue) <= ofRange * (max - min) &&
+      std::find(values.begin(), values.end(), stored) != values.end())
+    {
+      isovalue = stored - unseen * std::max(std::abs(min), std::abs(max));
+    }
   }
   return isovalues;
 }
@@ -238,7 +251,7 @@ struct Isosurface::Impl
   Impl(std::shared_ptr<const Field> field, std::vector<double> ascending, std::size_t keptBytes,
     int mostCellDepth, std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now())
     : isovalues(std::move(ascending))
-    , blocks(field, relative(isovalues, field->offset()), keptBytes, mostCellDepth)
+    , blocks(field, relative(isovalues, *field), keptBytes, mostCellDepth)
     , gradients(blocks, keptBytes / 2 + (keptBytes - std::min(keptBytes, blocks.mostKeptBytes())))
     , space(field->octree().grid())
     , intersection(blocks, gradients, space)

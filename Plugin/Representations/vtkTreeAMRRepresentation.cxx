@@ -3,6 +3,7 @@
 #include "SweepDrafts.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkBoundingBox.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkCommunicator.h"
@@ -28,6 +29,8 @@
 #include "HyperTreeGridConverter.h"
 #include "MergedGrid.h"
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
 #include <vector>
 
@@ -71,6 +74,50 @@ std::array<double, 6> latticeBounds(vtkHyperTreeGrid& grid)
     planes[a]->GetRange(&bounds[2 * a]);
   }
   return bounds;
+}
+
+/// Of what a matrix makes of a box.
+void transformBounds(vtkMatrix4x4* matrix, double bounds[6])
+{
+  const vtkBoundingBox box(bounds);
+  if (!box.IsValid())
+  {
+    return;
+  }
+  vtkBoundingBox result;
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double point[4] = { 0., 0., 0., 1. };
+    box.GetCorner(corner, point);
+    matrix->MultiplyPoint(point, point);
+    const double place[3] = { point[0] / point[3], point[1] / point[3], point[2] / point[3] };
+    result.AddPoint(place);
+  }
+  result.GetBounds(bounds);
+}
+
+/// Whether boxes become boxes: at most moved, scaled, mirrored or turned by right angles.
+bool keepsBoxes(vtkMatrix4x4* matrix)
+{
+  double largest = 0.;
+  for (int i = 0; i < 9; ++i)
+  {
+    largest = std::max(largest, std::abs(matrix->GetElement(i / 3, i % 3)));
+  }
+  constexpr double rounding = 1e-9;
+  for (int column = 0; column < 3; ++column)
+  {
+    int elements = 0;
+    for (int row = 0; row < 3; ++row)
+    {
+      elements += std::abs(matrix->GetElement(row, column)) > rounding * largest ? 1 : 0;
+    }
+    if (elements > 1)
+    {
+      return false;
+    }
+  }
+  return true;
 }
 
 } // namespace
@@ -220,7 +267,11 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
     this->GetProp()->UseBoundsOff();
     vtkNew<vtkMatrix4x4> matrix;
     this->GetProp()->GetMatrix(matrix);
-    vtkPVRenderView::SetGeometryBounds(inInfo, this, this->LocalBounds, matrix);
+    // The view, given the matrix, would take no more than two corners along, and order ranks by the boxes without it.
+    double bounds[6];
+    std::copy_n(this->LocalBounds, 6, bounds);
+    transformBounds(matrix, bounds);
+    vtkPVRenderView::SetGeometryBounds(inInfo, this, bounds);
     vtkPVRenderView::SetRequiresDistributedRendering(inInfo, this, true);
     vtkPVRenderView::SetOrderedCompositingConfiguration(
       inInfo, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);
@@ -230,6 +281,11 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
     }
     if (isOneOfSeveral && controller->GetLocalProcessId() == 0)
     {
+      if (this->NeedsOrderedCompositing() && !keepsBoxes(matrix) && this->SaidOfGrids.insert("turned").second)
+      {
+        vtkWarningMacro("A display that is turned by other than right angles: of several ranks one may be drawn over "
+                        "another in the wrong order. One rank draws it right.");
+      }
       this->WarnOfOtherBoxes();
     }
   }

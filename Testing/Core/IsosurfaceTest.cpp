@@ -247,6 +247,29 @@ TEST(Isosurface, OfAPlateauIsWhereItBegins)
   }
 }
 
+// As of contours: inside is what is at the isovalue or above, of doubles that floats do not have, too.
+TEST(Isosurface, OfAPlateauIsItsLowerEnd)
+{
+  const RandomTree options{ 41, { 4, 2, 2 }, 3, 0.6, 0., false };
+  const Ray ray{ { -1., 0.4, 0.3 }, unit({ 1., 0.02, 0.01 }) };
+  const auto surfaces = [&](double low, double high, double isovalue) {
+    std::vector<LeafCell> cells = makeRandomTree(options);
+    setValues(cells, [=](const auto& p) { return p[0] < 2. ? low : high; });
+    const auto field = makeField(unitRoots(options.roots), cells);
+    std::vector<SurfaceHit> hits;
+    Isosurface(field, { isovalue }).intersectAll(ray, 0., 9., hits);
+    EXPECT_EQ(hits.empty(), contour(*field, isovalue).triangles.empty()) << low << " " << high << " " << isovalue;
+    return hits.size();
+  };
+  for (const auto& [low, high] :
+    { std::pair(0.25, 0.5), { 0.3, 0.7 }, { 0.1, 0.6 }, { 0., 1. }, { -1., 0. }, { 1e-30, 3e-30 } })
+  {
+    EXPECT_EQ(surfaces(low, high, low), 0u) << low;
+    EXPECT_EQ(surfaces(low, high, high), 1u) << high;
+    EXPECT_EQ(surfaces(low, high, 0.5 * (low + high)), 1u) << low << " " << high;
+  }
+}
+
 TEST(Isosurface, HitsAreThoseOfExtendedPrecision)
 {
   struct Values

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 from paraview import servermanager, simple, smstate
+from vtkmodules.vtkRenderingCore import vtkActor
 
 import scene
 
@@ -81,6 +82,37 @@ class TestConventions(scene.TestCase):
                 self.assertLess(numpy.abs(numpy.subtract(self.view.CameraFocalPoint, centre)).max(), 1e-6)
                 scene.look(self.view)
                 self.assertTrue(scene.close((close_up, self.picture("user-close-up"))))
+
+    def test_bounds_of_turned_displays(self):
+        """The view knows where a display is that is turned or mirrored: it finds it, and cuts nothing away."""
+        corners = numpy.array([(x, y, z) for x in (0, 4) for y in (0, 4) for z in (0, 4)], float)
+        for kind in KINDS:
+            simple.ResetSession()
+            self.show(kind)
+            for orientation, scale, origin in (
+                    ((0, 0, 180), (1, 1, 1), (0, 0, 0)), ((0, 0, 180), (1, 1, 1), (30, 30, 0)),
+                    ((0, 0, 45), (1, 1, 1), (0, 0, 0)), ((30, 40, 50), (1, 2, 3), (1, 0, 0)),
+                    ((0, 0, 0), (-1, 1, -2), (0, 0, 0))):
+                with self.subTest(kind=kind, orientation=orientation, scale=scale, origin=origin):
+                    self.representation.Orientation = orientation
+                    self.representation.Scale = scale
+                    self.representation.Origin = origin
+                    prop = vtkActor()
+                    prop.SetOrientation(orientation)
+                    prop.SetScale(scale)
+                    prop.SetOrigin(origin)
+                    matrix = numpy.array([[prop.GetMatrix().GetElement(r, c) for c in range(4)] for r in range(4)])
+                    places = corners @ matrix[:3, :3].T + matrix[:3, 3]
+                    simple.Render(self.view)
+                    simple.ResetCamera(self.view)
+                    self.assertGreater(scene.drawn(self.picture("turned")).mean(), 0.02)
+                    centre = (places.min(axis=0) + places.max(axis=0)) / 2
+                    self.assertLess(numpy.abs(self.view.CameraFocalPoint - centre).max(), 1e-5)
+                    camera = self.view.GetActiveCamera()
+                    away = (places - camera.GetPosition()) @ camera.GetDirectionOfProjection()
+                    near, far = camera.GetClippingRange()
+                    self.assertLess(near, max(away.min(), 0.02 * far))
+                    self.assertGreater(far, away.max())
 
     def test_separate_colour_maps(self):
         """Two displays of one array in their own colours."""
