@@ -73,8 +73,15 @@ foreach (library IN ITEMS TreeAMRCore vtkTreeAMRReader vtkTreeAMRRendering vtkTr
 endforeach ()
 file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/shlibs" "${libraries}")
 file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/triggers" "activate-noawait ldconfig\n")
-set(CPACK_DEBIAN_RUN_PACKAGE_CONTROL_EXTRA
-  "${CMAKE_BINARY_DIR}/CMakeFiles/shlibs;${CMAKE_BINARY_DIR}/CMakeFiles/triggers")
+set(control shlibs triggers postinst prerm)
+# What Python compiles goes with the package, too, as dh_python3 has it.
+set(script "#!/bin/sh\nset -e\nif command -v py3")
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/postinst"
+  "${script}compile > /dev/null; then\n  py3compile -p treeamr\nfi\n")
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/prerm"
+  "${script}clean > /dev/null; then\n  py3clean -p treeamr\nfi\n")
+list(TRANSFORM control PREPEND "${CMAKE_BINARY_DIR}/CMakeFiles/")
+set(CPACK_DEBIAN_RUN_PACKAGE_CONTROL_EXTRA "${control}")
 set(CPACK_DEBIAN_RUN_DESCRIPTION
 "ray tracing of octree AMR data in ParaView
 Volumes and implicit isosurfaces of data on octrees (p4est, deal.II, hyper tree
