@@ -1,5 +1,6 @@
 #include "vtkTreeAMRVolumeMapper.h"
 
+#include "NewerSettings.h"
 #include "SceneConversion.h"
 #include "TransferFunctionConversion.h"
 #include "UnsupportedSettings.h"
@@ -228,7 +229,7 @@ void vtkTreeAMRVolumeMapper::ShallowCopy(vtkAbstractMapper* mapper)
     }
     this->SetBlendMode(other->GetBlendMode());
     this->SetAverageIPScalarRange(other->GetAverageIPScalarRange());
-    this->SetComputeNormalFromOpacity(other->GetComputeNormalFromOpacity());
+    treeamr::computeNormalFromOpacity(*this, treeamr::computesNormalFromOpacity(*other));
     this->SetCropping(other->GetCropping());
     this->SetCroppingRegionPlanes(other->GetCroppingRegionPlanes());
     this->SetCroppingRegionFlags(other->GetCroppingRegionFlags());

@@ -1,5 +1,6 @@
 #include "UnsupportedSettings.h"
 
+#include "NewerSettings.h"
 #include "VolumeEffects.h"
 
 #include "vtkActor.h"
@@ -73,7 +74,7 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
     blend != vtkVolumeMapper::COMPOSITE_BLEND && blend != vtkVolumeMapper::SLICE_BLEND;
   return namesOf({
     { "Shade of categories", property->GetShade() && drawn.categories && !drawn.surfaces },
-    { "ComputeNormalFromOpacity", mapper->GetComputeNormalFromOpacity() },
+    { "ComputeNormalFromOpacity", computesNormalFromOpacity(*mapper) },
     { "GradientOpacity of categories", hasGradientOpacity(property) && drawn.categories },
     { "Shade of independent components", property->GetShade() && drawn.independent },
     { "GradientOpacity of independent components", hasGradientOpacity(property) && drawn.independent },
@@ -97,7 +98,7 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
     { "LabelColor, LabelScalarOpacity, LabelGradientOpacity", property->GetNumberOfLabels() > 0 },
     { "UseClippedVoxelIntensity", property->GetUseClippedVoxelIntensity() != 0 },
     { "ScatteringAnisotropy: without effect, needed are Shade and VolumetricScatteringBlending",
-      property->GetScatteringAnisotropy() != 0.f && !(drawn.scatters && property->GetShade()) },
+      scatteringAnisotropy(*property) != 0.f && !(drawn.scatters && property->GetShade()) },
     { "VolumetricScatteringBlending: without effect, needed is Shade", drawn.scatters && !property->GetShade() },
     { "VolumetricScatteringBlending of independent components",
       drawn.scatters && property->GetShade() && drawn.independent },

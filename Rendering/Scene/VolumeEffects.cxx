@@ -1,5 +1,6 @@
 #include "VolumeEffects.h"
 
+#include "NewerSettings.h"
 #include "SceneConversion.h"
 
 #include "Error.h"
@@ -248,7 +249,7 @@ VolumeScattering convertScattering(vtkVolumeProperty* property, const Field& fie
   const double least = std::min(scattering.sampleLength / longest, most);
   scattering.reach = most + (least - most) * std::pow(1. - globalIlluminationReach, 0.33);
   constexpr float extreme = 0.999f; // beyond, one direction has all of the light
-  scattering.anisotropy = std::clamp(property->GetScatteringAnisotropy(), -extreme, extreme);
+  scattering.anisotropy = std::clamp(scatteringAnisotropy(*property), -extreme, extreme);
   return scattering;
 }
 

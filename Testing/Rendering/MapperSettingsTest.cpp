@@ -1,4 +1,5 @@
 // Settings of the mappers as VTK's classes have them: copied, followed, and said to be without effect where they are.
+#include "NewerSettings.h"
 #include "PlaneSurface.h"
 
 #include "vtkActorCollection.h"
@@ -100,7 +101,7 @@ TEST_F(MapperSettingsTest, shallowCopies)
   volumeMapper_->CroppingOn();
   volumeMapper_->SetCroppingRegionPlanes(1., 2., 3., 4., 5., 6.);
   volumeMapper_->SetCroppingRegionFlags(VTK_CROP_CROSS);
-  volumeMapper_->ComputeNormalFromOpacityOn();
+  treeamr::computeNormalFromOpacity(*volumeMapper_, true);
   volumeMapper_->AddClippingPlane(plane);
   vtkNew<vtkTreeAMRVolumeMapper> volumeCopy;
   volumeCopy->ShallowCopy(volumeMapper_);
@@ -179,8 +180,7 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
   property->GetGradientOpacity(); // makes one, 1 everywhere
   EXPECT_EQ(scene_.render(), expected);
   EXPECT_TRUE(messages.warnings.empty());
-  const std::vector<std::pair<std::string, std::function<void()>>> settings{
-    { "ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); } },
+  std::vector<std::pair<std::string, std::function<void()>>> settings{
     { "UseJittering", [&] { volumeMapper_->UseJitteringOn(); } },
     { "TransferFunctionMode TF_2D: without effect, needed are a TransferFunction2D",
       [&] { property->SetTransferFunctionModeTo2D(); } },
@@ -192,12 +192,15 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
       [&] { property->SetComponentWeight(0, 0.5); } },
     { "LabelScalarOpacity", [&] { property->SetLabelScalarOpacity(1, function); } },
     { "UseClippedVoxelIntensity", [&] { property->UseClippedVoxelIntensityOn(); } },
-    { "ScatteringAnisotropy: without effect", [&] { property->SetScatteringAnisotropy(0.5f); } },
     { "VolumetricScatteringBlending: without effect, needed is Shade",
       [&] { volumeMapper_->SetVolumetricScatteringBlending(1.f); } },
     { "ShaderProperty",
       [&] { volume_->GetShaderProperty()->AddFragmentShaderReplacement("//VTK::Color", true, "//", true); } },
   };
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
+  settings.emplace_back("ComputeNormalFromOpacity", [&] { volumeMapper_->ComputeNormalFromOpacityOn(); });
+  settings.emplace_back("ScatteringAnisotropy", [&] { property->SetScatteringAnisotropy(0.5f); });
+#endif
   for (const auto& [name, set] : settings)
   {
     messages.warnings.clear();
