@@ -122,7 +122,10 @@ void vtkSMTreeAMRRepresentationProxy::ReviewIsovalues()
   {
     return; // the other one looks at both
   }
-  if (this->IsovaluesGiven && !other->IsovaluesGiven && shown == other->Representation &&
+  // Domains give both lists the same values.
+  const bool areOther = vtkSMPropertyHelper(this, this->List.c_str()).GetDoubleArray() !=
+    vtkSMPropertyHelper(otherList).GetDoubleArray();
+  if (this->IsovaluesGiven && !other->IsovaluesGiven && areOther && shown == other->Representation &&
     other->ShowsIsosurfaces() && !this->HasWarned)
   {
     vtkWarningMacro("" << this->List << " are the isosurfaces of the representation " << this->Representation

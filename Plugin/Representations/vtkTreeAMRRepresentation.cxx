@@ -7,8 +7,11 @@
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkCommunicator.h"
+#include "vtkCompositeDataSet.h"
 #include "vtkCompositeRepresentation.h"
 #include "vtkDataArray.h"
+#include "vtkDataAssembly.h"
+#include "vtkDataAssemblyUtilities.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkInformation.h"
@@ -90,7 +93,7 @@ void transformBounds(vtkMatrix4x4* matrix, double bounds[6])
     double point[4] = { 0., 0., 0., 1. };
     box.GetCorner(corner, point);
     matrix->MultiplyPoint(point, point);
-    const double place[3] = { point[0] / point[3], point[1] / point[3], point[2] / point[3] };
+    double place[3] = { point[0] / point[3], point[1] / point[3], point[2] / point[3] };
     result.AddPoint(place);
   }
   result.GetBounds(bounds);
@@ -162,7 +165,8 @@ int vtkTreeAMRRepresentation::RequestData(
   if (inputVector[0]->GetNumberOfInformationObjects() == 1)
   {
     vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
-    const std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
+    std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
+    this->KeepSelectedBlocks(input, grids);
     vtkHyperTreeGrid* const only = grids.empty() ? vtkHyperTreeGrid::SafeDownCast(input) : grids.front().grid;
     try
     {
@@ -192,6 +196,52 @@ int vtkTreeAMRRepresentation::RequestData(
   }
   this->Grid = this->Input;
   return this->Superclass::RequestData(request, inputVector, outputVector);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::AddBlockSelector(const char* selector)
+{
+  this->BlockSelectors.emplace_back(selector ? selector : "");
+  this->MarkModified();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::RemoveAllBlockSelectors()
+{
+  this->BlockSelectors.clear();
+  this->MarkModified();
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::WarnOfBlocks(const char* property)
+{
+  if (this->SaidOfGrids.insert(property).second)
+  {
+    vtkWarningMacro(<< property << " are without effect: a collection is drawn as one grid. Extract a block to show it "
+                                   "in its own colour or opacity.");
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::KeepSelectedBlocks(
+  vtkDataObject* input, std::vector<treeamr::NamedGrid>& grids) const
+{
+  vtkCompositeDataSet* const collection = vtkCompositeDataSet::SafeDownCast(input);
+  if (!collection || std::find(this->BlockSelectors.begin(), this->BlockSelectors.end(), "/") != this->BlockSelectors.end())
+  {
+    return;
+  }
+  vtkNew<vtkDataAssembly> hierarchy;
+  std::vector<unsigned int> selected;
+  if (vtkDataAssemblyUtilities::GenerateHierarchy(collection, hierarchy))
+  {
+    selected = vtkDataAssemblyUtilities::GetSelectedCompositeIds(this->BlockSelectors, hierarchy, nullptr, true);
+  }
+  grids.erase(std::remove_if(grids.begin(), grids.end(),
+                [&](const treeamr::NamedGrid& grid) {
+                  return std::find(selected.begin(), selected.end(), grid.flatIndex) == selected.end();
+                }),
+    grids.end());
 }
 
 //------------------------------------------------------------------------------

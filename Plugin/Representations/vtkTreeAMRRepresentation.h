@@ -52,6 +52,18 @@ public:
   void SetUserTransform(const double matrix[16]);
   void SetPickable(int pickable);
   ///@}
+  ///@{
+  /// Of vtkGeometryRepresentation: which grids of a collection are drawn, by selectors of its hierarchy. Default "/": all.
+  void AddBlockSelector(const char* selector);
+  void RemoveAllBlockSelectors();
+  ///@}
+  ///@{
+  /// Of vtkGeometryRepresentation: without effect, which is said once.
+  void SetBlockColor(const char*, double, double, double) { this->WarnOfBlocks("BlockColors"); }
+  void RemoveAllBlockColors() {}
+  void SetBlockOpacity(const char*, double) { this->WarnOfBlocks("BlockOpacities"); }
+  void RemoveAllBlockOpacities() {}
+  ///@}
 
 protected:
   vtkTreeAMRRepresentation();
@@ -104,6 +116,9 @@ private:
   /// Throws treeamr::Error when they are on no lattice.
   void MergeGrids(const std::string& collection, const std::vector<treeamr::NamedGrid>& grids);
 
+  /// Takes those of a collection out that are not selected.
+  void KeepSelectedBlocks(vtkDataObject* input, std::vector<treeamr::NamedGrid>& grids) const;
+  void WarnOfBlocks(const char* property);
   void MapperProgressed(vtkObject* mapper, unsigned long event, void* part);
   void AskForShownArrays();
   void Redistribute(bool hasFailed);
@@ -115,6 +130,7 @@ private:
   std::set<std::string> TakenArrays; // by Redistribute(): all that have been shown, for each costs it once
   std::string LastLeftOut;           // by MergeGrids()
   std::set<std::string> SaidOfGrids;
+  std::vector<std::string> BlockSelectors{ "/" };
   double LocalBounds[6];
   bool HasExecuted = false; // RequestData(), in this update of the view
 };

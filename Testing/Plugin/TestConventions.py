@@ -105,7 +105,7 @@ class TestConventions(scene.TestCase):
                     places = corners @ matrix[:3, :3].T + matrix[:3, 3]
                     simple.Render(self.view)
                     simple.ResetCamera(self.view)
-                    self.assertGreater(scene.drawn(self.picture("turned")).mean(), 0.02)
+                    self.assertGreater(scene.drawn(self.picture("turned")).mean(), 0.005)
                     centre = (places.min(axis=0) + places.max(axis=0)) / 2
                     self.assertLess(numpy.abs(self.view.CameraFocalPoint - centre).max(), 1e-5)
                     camera = self.view.GetActiveCamera()

@@ -32,6 +32,30 @@ class TestGroup(scene.TestCase):
             self.assertGreater(scene.drawn(pictures[0]).mean(), 0.02)
             self.assertEqual(0, numpy.abs(pictures[0] - pictures[1]).max())
 
+    def test_hidden_blocks(self):
+        """What the inspector of blocks hides is not drawn, and is drawn again."""
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        mirror = simple.HyperTreeGridAxisReflection(Input=source, PlaneNormal="X Axis", PlanePosition=4)
+        group = simple.GroupDatasets(Input=[source, mirror])
+        view = scene.view()
+        for kind in ("Tree AMR Volume", "Tree AMR Isosurface"):
+            pictures = {}
+            for name, shown, selectors in (("both", group, ["/"]), ("first", group, ["/Root/*[1]"]),
+                                           ("again", group, ["/Root"]), ("none", group, []), ("alone", source, ["/"])):
+                representation = simple.Show(shown, view)
+                simple.ColorBy(representation, ("CELLS", "xyz"))
+                representation.SetRepresentationType(kind)
+                representation.ScalarOpacityUnitDistance = 0.8
+                representation.BlockSelectors = selectors
+                scene.look(view)
+                view.CameraFocalPoint = [4, 2, 2]
+                pictures[name] = scene.picture(view, f"{kind} {name}")
+                simple.Hide(shown, view)
+            self.assertTrue(scene.close((pictures["first"], pictures["alone"])))
+            self.assertTrue(scene.close((pictures["both"], pictures["again"])))
+            self.assertFalse(scene.close((pictures["both"], pictures["first"])))
+            self.assertFalse(scene.drawn(pictures["none"]).any())
+
     def test_two_grids(self):
         group = simple.GroupDatasets(
             Input=[simple.TreeAMRExample(Dataset="Synthetic"), simple.TreeAMRExample(MaximumLevel=4)])

@@ -13,6 +13,7 @@
 #include "vtkTable.h"
 #include "vtkTransform.h"
 #include "vtkVariant.h"
+#include "vtkVersionMacros.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -107,6 +108,7 @@ TEST_F(VolumeEffectsTest, positionalLightsAsVTKButForHighlights)
   EXPECT_LT(pair.difference(), tolerance) << "cone";
 }
 
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
 // VTK's shadow rays take jittered samples.
 TEST_F(VolumeEffectsTest, scatteredLightAsVTK)
 {
@@ -144,6 +146,7 @@ TEST_F(VolumeEffectsTest, scatteredLightAsVTK)
   light->SetConeAngle(180.);
   EXPECT_LT(pair.difference(scattering(2.f, 1.f)), tolerance) << "positional light";
 }
+#endif
 
 TEST_F(VolumeEffectsTest, gradientOpacityAsVTK)
 {
