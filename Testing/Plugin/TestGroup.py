@@ -2,6 +2,7 @@
 
 import numpy
 from paraview import servermanager, simple
+from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet
 
 import scene
 
@@ -37,18 +38,21 @@ class TestGroup(scene.TestCase):
         source = simple.TreeAMRExample(Dataset="Synthetic")
         mirror = simple.HyperTreeGridAxisReflection(Input=source, PlaneNormal="X Axis", PlanePosition=4)
         group = simple.GroupDatasets(Input=[source, mirror])
+        group.UpdatePipeline()
+        first = servermanager.Fetch(group).GetMetaData(0).Get(vtkCompositeDataSet.NAME())
         view = scene.view()
         for kind in ("Tree AMR Volume", "Tree AMR Isosurface"):
             pictures = {}
-            for name, shown, selectors in (("both", group, ["/"]), ("first", group, ["/Root/*[1]"]),
+            for name, shown, selectors in (("both", group, ["/"]), ("first", group, ["/Root/" + first]),
                                            ("again", group, ["/Root"]), ("none", group, []), ("alone", source, ["/"])):
                 representation = simple.Show(shown, view)
                 simple.ColorBy(representation, ("CELLS", "xyz"))
                 representation.SetRepresentationType(kind)
                 representation.ScalarOpacityUnitDistance = 0.8
                 representation.BlockSelectors = selectors
-                scene.look(view)
-                view.CameraFocalPoint = [4, 2, 2]
+                if not pictures:
+                    scene.look(view)
+                    simple.ResetCamera(view)
                 pictures[name] = scene.picture(view, f"{kind} {name}")
                 simple.Hide(shown, view)
             self.assertTrue(scene.close((pictures["first"], pictures["alone"])))
