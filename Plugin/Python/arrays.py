@@ -9,10 +9,16 @@ from vtkmodules.vtkCommonCore import vtkDataArray
 from vtkmodules.vtkCommonDataModel import vtkHyperTreeGrid
 
 
-def to_vtk(name: str, values: ArrayLike) -> vtkDataArray:
-    """An array of VTK that shares the memory of contiguous values, of shape (n,) or (n, components)."""
+def unmasked(name: str, values: ArrayLike) -> ArrayLike:
+    """The values themselves. Raises ValueError where some of them do not count."""
     if np.ma.is_masked(values):
         raise ValueError(f"'{name}' is a masked array, allowed are arrays whose entries all count (NaN leaves a cell out)")
+    return values
+
+
+def to_vtk(name: str, values: ArrayLike) -> vtkDataArray:
+    """An array of VTK that shares the memory of contiguous values, of shape (n,) or (n, components)."""
+    unmasked(name, values)
     if not isinstance(name, str):
         raise TypeError(f"the name of an array is {name!r}, allowed is a str")
     array = np.asarray(values)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkHyperTreeGrid, vtkTable
 
-from .arrays import to_vtk
+from .arrays import to_vtk, unmasked
 from .updates import Error, Messages, output
 from .vtkTreeAMRReader import vtkTreeAMRFromTable, vtkTreeAMRFromUnstructured, vtkTreeAMRP4estReader
 
@@ -42,11 +42,11 @@ def from_cells(level: ArrayLike, ijk: ArrayLike, values: ArrayLike | Mapping[str
     >>> grid.GetNumberOfLeaves(), grid.GetBounds()
     (15, (0.0, 10.0, 0.0, 10.0, 0.0, 10.0))
     """
-    indices = np.asarray(ijk)
+    indices = np.asarray(unmasked("ijk", ijk))
     if indices.ndim != 2 or indices.shape[1] != 3:
         raise ValueError(f"ijk has the shape {indices.shape}, allowed is (n, 3)")
     count = len(indices)
-    levels = np.asarray(level)
+    levels = np.asarray(unmasked("level", level))
     if levels.ndim == 0:
         levels = np.full(count, levels)
     named = dict(values) if isinstance(values, Mapping) else {"values": values}
@@ -101,7 +101,7 @@ def from_unstructured(data: vtkDataObject) -> vtkHyperTreeGrid:
     return output(algorithm)
 
 
-def read(path: str | os.PathLike, payload: str = "", arrays: Sequence[str] | None = None) -> vtkHyperTreeGrid:
+def read(path: str | os.PathLike, payload: str = "", arrays: str | Sequence[str] | None = None) -> vtkHyperTreeGrid:
     """A file's grid: a forest of p4est (.p8est, .p4est or any other name), a checkpoint of deal.II (NAME.info), a .htg, or an
     octree written as hexahedra (.vtu, .pvtu).
 
@@ -130,6 +130,7 @@ def read(path: str | os.PathLike, payload: str = "", arrays: Sequence[str] | Non
     if arrays is not None:
         with Messages(reader, reader.GetExecutive()):
             reader.UpdateInformation()
+        arrays = [arrays] if isinstance(arrays, str) else arrays
         known = [reader.GetCellArrayName(i) for i in range(reader.GetNumberOfCellArrays())]
         if unknown := set(arrays) - set(known):
             raise Error(f"{file}: no arrays are called {', '.join(sorted(map(repr, unknown)))}; "

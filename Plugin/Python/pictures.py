@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pathlib
 import sys
 from collections.abc import Sequence
 
@@ -26,7 +27,9 @@ class Picture(np.ndarray):
     """uint8 of shape (height, width, 3), the first row at the top; a notebook shows it."""
 
     def png(self) -> bytes:
-        """As a PNG file."""
+        """As a PNG file. Raises ValueError for what arithmetic has made of it."""
+        _check("the picture's type", self.dtype, self.dtype == np.uint8, "uint8")
+        _check("the picture's shape", self.shape, self.ndim == 3 and self.shape[2] == 3, "(height, width, 3)")
         from vtkmodules.vtkIOImage import vtkPNGWriter
         image = vtkImageData()
         image.SetDimensions(self.shape[1], self.shape[0], 1)
@@ -39,7 +42,8 @@ class Picture(np.ndarray):
         return vtk_to_numpy(result).tobytes()
 
     def save(self, path: str | os.PathLike) -> None:
-        """Writes a PNG file."""
+        """Writes a PNG file. Raises ValueError for the name of another."""
+        _check("path", path, pathlib.Path(path).suffix.lower() in ("", ".png"), "names that end in .png")
         with open(path, "wb") as file:
             file.write(self.png())
 
@@ -79,6 +83,7 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     ((120, 160, 3), b'\\x89PNG')
     """
     name = chosen_array(grid, array)
+    _check("isovalues", isovalues, isovalues is None or np.ndim(isovalues) <= 1, "a number, or a list of some")
     values = [] if isovalues is None else np.atleast_1d(np.asarray(isovalues, dtype=np.float64)).tolist()
     with_volume = not values if volume is None else volume
     if not with_volume and not values:
@@ -89,6 +94,11 @@ def render(grid: vtkHyperTreeGrid, array: str | None = None, isovalues: float | 
     for what, vector in (("direction", direction), ("up", up)):
         _check(what, vector, np.shape(vector) == (3,) and np.isfinite(vector).all() and np.any(vector),
                "three finite numbers, not all 0")
+    for what, switch in (("volume", volume), ("shade", shade)):
+        _check(what, switch, switch is None or isinstance(switch, (bool, np.bool_, int)), "True and False")
+    _check("occlusion", occlusion, np.ndim(occlusion) == 0 and occlusion == int(occlusion) and 0 <= occlusion <= 65535,
+           "whole numbers from 0 to 65535")
+    _check("samples_per_cell", samples_per_cell, 0.01 <= samples_per_cell <= 1024, "numbers from 0.01 to 1024")
     _check("zoom", zoom, np.isfinite(zoom) and zoom > 0, "finite numbers above 0")
     _check("size", size, np.shape(size) == (2,) and all(n == int(n) and 1 <= n <= 16384 for n in size),
            "(width, height), whole numbers from 1 to 16384")

@@ -11,7 +11,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkHyperTreeGrid, vtkPolyData
 
-from .arrays import chosen_array, to_vtk
+from .arrays import chosen_array, to_vtk, unmasked
 from .updates import output
 from .vtkTreeAMRReader import vtkTreeAMRContourFilter, vtkTreeAMRProbeFilter
 
@@ -50,7 +50,7 @@ def probe(grid: vtkHyperTreeGrid, points: ArrayLike, array: str | None = None, m
     >>> treeamr.probe(grid, [[0.5, 0.5, 0.5], [0.5, 0.5, 1.5]])
     array([166.5,   nan])
     """
-    places = np.asarray(points, dtype=np.float64)
+    places = np.asarray(unmasked("points", points), dtype=np.float64)
     if places.ndim == 0 or places.shape[-1] != 3:
         raise ValueError(f"points has the shape {places.shape}, allowed is (..., 3)")
     if method not in METHODS:

@@ -161,6 +161,7 @@ class TestNumpy(unittest.TestCase):
 
     def test_what_does_not_fit_is_an_exception(self):
         ijk = [[0, 0, 0], [1, 0, 0]]
+        picture = treeamr.render(sphere(4), size=(8, 6))
         for error, text, call in (
                 (treeamr.Error, r"cells overlap: row 0, level 0 .*, and row 1, level 1",
                  lambda: treeamr.from_cells([0, 1], [[0, 0, 0], [1, 1, 1]], [1, 2])),
@@ -186,6 +187,16 @@ class TestNumpy(unittest.TestCase):
                 (ValueError, "direction is", lambda: treeamr.render(sphere(4), direction=(0, 0, 0))),
                 (ValueError, "volume is off", lambda: treeamr.render(sphere(4), volume=False)),
                 (ValueError, "masked array", lambda: treeamr.from_cells(0, ijk, np.ma.array([1, 2], mask=[1, 0]))),
+                (ValueError, "'ijk' is a masked array",
+                 lambda: treeamr.from_cells(0, np.ma.masked_greater(ijk, 0), [1, 2])),
+                (ValueError, "'points' is a masked array",
+                 lambda: treeamr.probe(sphere(4), np.ma.masked_less([1., 1., 0.], 0.5))),
+                (ValueError, "isovalues is", lambda: treeamr.render(sphere(4), isovalues=[[1.]])),
+                (ValueError, "shade is no, allowed are True and False", lambda: treeamr.render(sphere(4), shade="no")),
+                (ValueError, "occlusion is -1", lambda: treeamr.render(sphere(4), isovalues=1, occlusion=-1)),
+                (ValueError, "samples_per_cell is 0", lambda: treeamr.render(sphere(4), samples_per_cell=0)),
+                (ValueError, "path is a.jpg, allowed are names that end in .png", lambda: picture.save("a.jpg")),
+                (ValueError, "the picture's type is float64", lambda: (1.5 * picture).png()),
                 (ValueError, "roots is", lambda: treeamr.from_cells(0, ijk, [1, 2], roots=(2.5, 1, 1))),
                 (KeyError, "the grid has no cell arrays",
                  lambda: treeamr.probe(treeamr.from_cells(0, np.empty((0, 3)), np.empty(0)), [0, 0, 0])),
