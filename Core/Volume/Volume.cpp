@@ -156,6 +156,10 @@ void check(const RayView& view, const VolumeSettings& settings)
   {
     check(*settings.shading);
   }
+  for (const VolumeShading& shading : settings.componentShading)
+  {
+    check(shading);
+  }
   if (settings.gradientOpacity)
   {
     check(*settings.gradientOpacity);
@@ -202,8 +206,10 @@ struct Volume::Mixture
   {
     std::shared_ptr<const Field> field;
     TransferFunction function;
-    std::unique_ptr<VolumeTable> table{}; // with integrals
-    std::unique_ptr<BlockCache> kept{};   // null: the volume's own
+    std::unique_ptr<VolumeTable> table{};       // with integrals
+    std::unique_ptr<BlockCache> kept{};         // null: the volume's own
+    std::unique_ptr<GradientCache> gradients{}; // null: likewise, or it is not lit
+    VolumeSettings settings{};                  // of the last frame, of a component that is lit
   };
 
   VolumeMixing mixing;
@@ -349,7 +355,11 @@ void Volume::mix(Mixture mixture)
     for (std::size_t i = 0; mixture_ && !part.kept && i < mixture_->parts.size(); ++i)
     {
       Mixture::Part& before = mixture_->parts[i];
-      part.kept = before.field == part.field ? std::move(before.kept) : nullptr;
+      if (before.field == part.field)
+      {
+        part.kept = std::move(before.kept);
+        part.gradients = std::move(before.gradients);
+      }
     }
   }
   mixture_ = std::move(made);
@@ -370,7 +380,8 @@ std::size_t Volume::keptBytes() const noexcept
     (shadows_ ? shadows_->byteSize() : 0);
   for (std::size_t i = 0; mixture_ && i < mixture_->parts.size(); ++i)
   {
-    bytes += mixture_->parts[i].kept ? mixture_->parts[i].kept->byteSize() : 0;
+    const Mixture::Part& part = mixture_->parts[i];
+    bytes += (part.kept ? part.kept->byteSize() : 0) + (part.gradients ? part.gradients->byteSize() : 0);
   }
   return bytes;
 }
@@ -400,12 +411,25 @@ void Volume::prepareMemory(bool withValues, bool withGradients, bool withColors,
     if (!withColors || part.field == field_)
     {
       part.kept = nullptr;
+      part.gradients = nullptr;
       continue;
     }
     prepareValues(*part.field, part.kept);
+    if (!withGradients || mixture_->mixing != VolumeMixing::Independent)
+    {
+      part.gradients = nullptr;
+    }
+    else if (!part.gradients)
+    {
+      part.gradients = std::make_unique<GradientCache>(*part.field, gradientBudget(budget_));
+    }
     if (withMeans)
     {
       part.kept->prepareMeans();
+      if (part.gradients)
+      {
+        part.gradients->prepareMeans();
+      }
     }
   }
   if (withMeans)
@@ -425,6 +449,7 @@ void Volume::forgetKept() noexcept
   for (std::size_t i = 0; mixture_ && i < mixture_->parts.size(); ++i)
   {
     mixture_->parts[i].kept = nullptr;
+    mixture_->parts[i].gradients = nullptr;
   }
 }
 
@@ -441,12 +466,14 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   const bool withColors = mixture_ && !blendsValues(settings.blend);
   const bool areIndependent = withColors && mixture_->mixing == VolumeMixing::Independent;
   const KernelTable2D* const ofTwo = withColors ? mixture_->table.get() : nullptr;
-  const bool withGradients =
-    ofTwo ? ofTwo->byGradient || settings.shading : usesGradients(settings, hasCategories) && !areIndependent;
+  const bool areLit = areIndependent && settings.shading && !settings.nearest;
+  const bool withGradients = ofTwo ? ofTwo->byGradient || settings.shading
+    : areIndependent               ? areLit
+                                   : usesGradients(settings, hasCategories);
   prepareMemory(!hasCategories && !settings.nearest, withGradients, withColors,
     settings.levelOfDetailPixels > 0. && !hasCategories);
-  VolumeKernelScene scene(
-    *field_, transferFunction_, *table_, view, settings, *kept_, keptGradients_.get(), image);
+  VolumeKernelScene scene(*field_, transferFunction_, *table_, view, settings, *kept_,
+    areIndependent ? nullptr : keptGradients_.get(), image);
   if (withColors)
   {
     KernelMixture mixture{ mixture_->mixing, {}, mixture_->weights, ofTwo };
@@ -458,8 +485,21 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
         part.table = std::make_unique<VolumeTable>(*part.field, part.function, magnitude);
         part.table->integrate(part.function);
       }
-      mixture.parts.push_back(std::make_shared<const VolumeKernelScene>(*part.field, part.function,
-        *part.table, view, settings, part.kept ? *part.kept : *kept_, nullptr, nullptr));
+      GradientCache* const gradients = !areLit ? nullptr
+        : part.gradients                       ? part.gradients.get()
+                                               : keptGradients_.get();
+      if (areLit)
+      {
+        part.settings = settings;
+        part.settings.gradientOpacity.reset();
+        const std::size_t i = mixture.parts.size();
+        part.settings.shading = i > 0 && i <= settings.componentShading.size()
+          ? settings.componentShading[i - 1]
+          : settings.shading;
+      }
+      mixture.parts.push_back(
+        std::make_shared<const VolumeKernelScene>(*part.field, part.function, *part.table, view,
+          areLit ? part.settings : settings, part.kept ? *part.kept : *kept_, gradients, nullptr));
     }
     scene.mix(std::move(mixture));
   }
@@ -544,6 +584,10 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
     if (mixture_->parts[i].kept)
     {
       mixture_->parts[i].kept->endFrame(all.keptColors, all.colors);
+    }
+    if (mixture_->parts[i].gradients)
+    {
+      mixture_->parts[i].gradients->endFrame(all.keptGradients, all.gradients);
     }
   }
   return all;

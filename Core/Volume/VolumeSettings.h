@@ -109,6 +109,9 @@ struct VolumeSettings
   /// Of composites and slices; not of categories, which have no gradients.
   std::optional<VolumeShading> shading{};
   std::optional<GradientOpacity> gradientOpacity{}; // likewise
+  /// Of the second and further components of a volume, which are lit where it is: coefficients in place of those of
+  /// `shading`, which components have that are not here.
+  std::vector<VolumeShading> componentShading{};
 };
 
 /// Counts of a frame.

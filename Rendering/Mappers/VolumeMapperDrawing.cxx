@@ -168,6 +168,15 @@ bool vtkTreeAMRVolumeMapper::PrepareVolume(vtkRenderer* renderer, vtkVolume* vol
         treeamr::convertScattering(volume->GetProperty(), this->Private->Volume->field(),
           this->VolumetricScatteringBlending, this->GlobalIlluminationReach, this->SampleDistance);
     }
+    if (this->Private->Effects.shading && this->Private->Drawn == Components::Independent)
+    {
+      const int others = static_cast<int>(this->Private->OtherComponents.size());
+      for (int component = 1; component <= others; ++component)
+      {
+        this->Private->Effects.componentShading.push_back(
+          *treeamr::convertVolumeShading(renderer, volume, component));
+      }
+    }
     this->UpdateIsosurfaces(renderer, volume);
     return true;
   }

@@ -105,7 +105,8 @@ public:
   ///@{
   /// Whether an array with several components is drawn by its magnitude (default), by VectorComponent, or, DISABLED, two
   /// to four of them at once as VTK's GPU mapper draws them: each by the property's functions and unit distance of that
-  /// component, mixed by ComponentWeight, unlit. With the property's IndependentComponents off, two are colour and
+  /// component, mixed by ComponentWeight, and lit by its own gradients and coefficients unless the interpolation is nearest.
+  /// With the property's IndependentComponents off, two are colour and
   /// opacity (see OpacityArrayName), and of four the last makes opaque by the functions of component 0 and its own unit
   /// distance, and the first three are the colour, each from the least to the largest of its values. Of composites and
   /// slices; not of categories.

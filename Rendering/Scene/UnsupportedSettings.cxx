@@ -76,7 +76,9 @@ SettingNames unsupportedSettings(vtkVolume* volume, vtkVolumeMapper* mapper, con
     { "Shade of categories", property->GetShade() && drawn.categories && !drawn.surfaces },
     { "ComputeNormalFromOpacity", computesNormalFromOpacity(*mapper) },
     { "GradientOpacity of categories", hasGradientOpacity(property) && drawn.categories },
-    { "Shade of independent components", property->GetShade() && drawn.independent },
+    { "Shade of independent components with InterpolationType Nearest",
+      property->GetShade() && drawn.independent &&
+        property->GetInterpolationType() == VTK_NEAREST_INTERPOLATION },
     { "GradientOpacity of independent components", hasGradientOpacity(property) && drawn.independent },
     { "GradientOpacity with the maximum BlendMode",
       hasGradientOpacity(property) && mapper->GetBlendMode() == vtkVolumeMapper::MAXIMUM_INTENSITY_BLEND },

@@ -85,7 +85,7 @@ bool blendsValues(vtkVolumeMapper* mapper)
   return blendsValues(convertBlendMode(mapper->GetBlendMode()));
 }
 
-std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolume* volume)
+std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolume* volume, int component)
 {
   vtkVolumeProperty* property = volume->GetProperty();
   if (!property->GetShade(0))
@@ -94,11 +94,11 @@ std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolu
   }
   VolumeShading shading;
   shading.lights = convertLights(renderer);
-  const auto ambient = static_cast<float>(property->GetAmbient(0));
+  const auto ambient = static_cast<float>(property->GetAmbient(component));
   shading.ambient = 0.f;
-  shading.diffuse = static_cast<float>(property->GetDiffuse(0));
-  shading.specular = static_cast<float>(property->GetSpecular(0));
-  shading.specularPower = static_cast<float>(property->GetSpecularPower(0));
+  shading.diffuse = static_cast<float>(property->GetDiffuse(component));
+  shading.specular = static_cast<float>(property->GetSpecular(component));
+  shading.specularPower = static_cast<float>(property->GetSpecularPower(component));
   shading.twoSided = renderer->GetTwoSidedLighting();
   shading.lightsFromData = viewFromData(renderer, volume);
   if (shading.lights.size() == 1 && shading.lights[0].highlightByCosine) // a headlight alone

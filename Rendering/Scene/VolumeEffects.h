@@ -25,8 +25,9 @@ bool blendsValues(vtkVolumeMapper* mapper);
 
 /// As VTK's GPU mapper does: a headlight alone shines from the eye along each line of sight, with the ambient term in
 /// the sample's colour; of other lights that term is in their ambient colours, black by default, as all is without
-/// lights. Nothing without shading.
-std::optional<VolumeShading> convertVolumeShading(vtkRenderer* renderer, vtkVolume* volume);
+/// lights. Nothing without shading, of the first component for all. component: whose coefficients these are.
+std::optional<VolumeShading> convertVolumeShading(
+  vtkRenderer* renderer, vtkVolume* volume, int component = 0);
 
 /// A function that is 1 everywhere, which VTK makes when it copies properties, changes nothing.
 bool hasGradientOpacity(vtkVolumeProperty* property);

@@ -8,7 +8,9 @@
 #include "vtkContourValues.h"
 #include "vtkDataArray.h"
 #include "vtkHyperTreeGrid.h"
+#include "vtkLight.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkRenderer.h"
 #include "vtkVolumeProperty.h"
 
 #include <cmath>
@@ -29,6 +31,25 @@ protected:
   static vtkHyperTreeGrid* gridOf(VolumePair& pair)
   {
     return vtkHyperTreeGrid::SafeDownCast(pair.mapper()->GetInputDataObject(0, 0));
+  }
+  static void useIndependentComponents(VolumePair& pair, int count)
+  {
+    pair.useComponents("components", count);
+    pair.mapper()->SetVectorMode(vtkTreeAMRVolumeMapper::DISABLED);
+    vtkVolumeProperty* property = pair.property();
+    for (int i = 1; i < count; ++i)
+    {
+      vtkNew<vtkColorTransferFunction> colors;
+      colors->AddRGBPoint(0., 0.2 * i, 0.9, 0.1);
+      colors->AddRGBPoint(1., 0.9, 0.3 * i, 0.7);
+      vtkNew<vtkPiecewiseFunction> opacities;
+      opacities->AddPoint(0., 0.3 / i);
+      opacities->AddPoint(0.5, 0.);
+      opacities->AddPoint(1., 0.2);
+      property->SetColor(i, colors);
+      property->SetScalarOpacity(i, opacities);
+      property->SetScalarOpacityUnitDistance(i, 0.2);
+    }
   }
 };
 
@@ -78,22 +99,8 @@ TEST_F(VolumeArraysTest, independentComponentsAsVTK)
   for (const int count : { 2, 3, 4 })
   {
     VolumePair pair;
-    pair.useComponents("components", count);
-    pair.mapper()->SetVectorMode(vtkTreeAMRVolumeMapper::DISABLED);
+    useIndependentComponents(pair, count);
     vtkVolumeProperty* property = pair.property();
-    for (int i = 1; i < count; ++i)
-    {
-      vtkNew<vtkColorTransferFunction> colors;
-      colors->AddRGBPoint(0., 0.2 * i, 0.9, 0.1);
-      colors->AddRGBPoint(1., 0.9, 0.3 * i, 0.7);
-      vtkNew<vtkPiecewiseFunction> opacities;
-      opacities->AddPoint(0., 0.3 / i);
-      opacities->AddPoint(0.5, 0.);
-      opacities->AddPoint(1., 0.2);
-      property->SetColor(i, colors);
-      property->SetScalarOpacity(i, opacities);
-      property->SetScalarOpacityUnitDistance(i, 0.2);
-    }
     MessageCounter messages(pair.mapper());
     EXPECT_LT(pair.difference(), tolerance) << count;
     pair.showOurs();
@@ -114,6 +121,48 @@ TEST_F(VolumeArraysTest, independentComponentsAsVTK)
     pair.scene.render();
     ASSERT_EQ(messages.warnings.size(), 4u);
     EXPECT_NE(messages.warnings[0].find("Shade of independent"), std::string::npos) << messages.warnings[0];
+    EXPECT_TRUE(messages.errors.empty());
+  }
+}
+
+// Each by its own gradients and coefficients.
+TEST_F(VolumeArraysTest, litComponentsAsVTK)
+{
+  for (const int count : { 2, 3, 4 })
+  {
+    VolumePair pair;
+    useIndependentComponents(pair, count);
+    vtkVolumeProperty* property = pair.property();
+    pair.showOurs();
+    const auto unlit = pair.scene.render();
+    MessageCounter messages(pair.mapper());
+    property->ShadeOn();
+    for (int i = 0; i < count; ++i)
+    {
+      property->SetAmbient(i, 0.3 - 0.08 * i);
+      property->SetDiffuse(i, 0.4 + 0.15 * i);
+      property->SetSpecular(i, 0.15 * i);
+      property->SetSpecularPower(i, 5. + 9. * i);
+    }
+    EXPECT_LT(pair.difference(), tolerance) << count << ", headlight";
+    pair.showOurs();
+    const auto lit = pair.scene.render();
+    EXPECT_NE(lit, unlit);
+    property->SetDiffuse(count - 1, 0.1);
+    EXPECT_LT(pair.difference(), tolerance) << count;
+    pair.showOurs();
+    EXPECT_NE(pair.scene.render(), lit);
+    vtkRenderer* renderer = pair.scene.renderer;
+    renderer->AutomaticLightCreationOff();
+    renderer->RemoveAllLights();
+    vtkNew<vtkLight> light;
+    light->SetLightTypeToSceneLight();
+    light->SetPosition(2., 3., 4.);
+    light->SetColor(0.9, 0.7, 0.5);
+    light->SetAmbientColor(0.3, 0.1, 0.6);
+    renderer->AddLight(light);
+    EXPECT_LT(pair.difference(), tolerance) << count << ", scene light";
+    EXPECT_TRUE(messages.warnings.empty());
     EXPECT_TRUE(messages.errors.empty());
   }
 }

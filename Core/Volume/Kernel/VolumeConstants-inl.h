@@ -95,7 +95,7 @@ private:
       entry.extinction > 0.f;
   }
 
-  /// As LightOnRays does.
+  /// As LightOnRays does, but without light.
   void mix(NodeRef node, TransferFunction::Entry& entry) const noexcept
   {
     const KernelMixture& mixture = *scene_.mixture;

@@ -10,8 +10,8 @@
 #define TREEAMR_VOLUMELIGHT_INL_H
 #endif
 
-#include "Interpolation/GradientCache.h"
 #include "Volume/Kernel/VolumeBlocks-inl.h"
+#include "Volume/Kernel/VolumeGradients-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeMixture-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
@@ -117,15 +117,6 @@ HWY_INLINE Reals<Real> normalize(Reals3<Real>& v)
   return squared;
 }
 
-/// The vertex gradients of a block, for sampling.
-template <class Real>
-struct GradientBlock
-{
-  using Values = std::conditional_t<std::is_same_v<Real, float>, QuantisedValues, ExactValues<Real>>;
-  std::conditional_t<std::is_same_v<Real, float>, const std::uint16_t*, const Real*> steps[3];
-  Real stepLength = 0;
-};
-
 /// On some rays through a block.
 template <class Real>
 class LightOnRays
@@ -145,7 +136,12 @@ public:
     , stepLength_(gradients.stepLength)
   {
     const RealTag<Real> d;
-    if (!scene.shades)
+    const VolumeIllumination* lit = mixed.lights[0] ? mixed.lights[0] : &scene; // all in the same coordinates
+    for (int part = 1; part < 4 && mixed.lights[part] && !lit->needsPoints; ++part)
+    {
+      lit = mixed.lights[part];
+    }
+    if (!lit->shades)
     {
       return;
     }
@@ -154,13 +150,13 @@ public:
       const auto row = [&](const Reals3<Real>& v, Reals<Real> sum) {
         for (int a = 0; a < 3; ++a)
         {
-          sum = mulAdd(hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][a])), v[a], sum);
+          sum = mulAdd(hn::Set(d, static_cast<Real>(lit->viewFromKernel[r][a])), v[a], sum);
         }
         return sum;
       };
       sight_[r] = slope_[r] = row(direction, hn::Zero(d));
       start_[r] =
-        scene.needsPoints ? row(start, hn::Set(d, static_cast<Real>(scene.viewFromKernel[r][3]))) : slope_[r];
+        lit->needsPoints ? row(start, hn::Set(d, static_cast<Real>(lit->viewFromKernel[r][3]))) : slope_[r];
     }
     normalize<Real>(sight_);
     if (scene.scattering)
@@ -187,7 +183,25 @@ public:
     const bool readsTable = mixed_.readsTable();
     if (!mixed_.isNone() && !readsTable)
     {
-      mixed_.mix(spot, effect);
+      mixed_.mix(
+        spot,
+        [&](int part, Reals3<Real>& color) {
+          const GradientBlock<Real>& block = mixed_.gradients(part);
+          const typename GradientBlock<Real>::Values values[3] = { typename GradientBlock<Real>::Values{
+                                                                     block.steps[0] },
+            typename GradientBlock<Real>::Values{ block.steps[1] },
+            typename GradientBlock<Real>::Values{ block.steps[2] } };
+          Reals<Real> gradient[3];
+          gradientAt<Real>(values, spot, gradient);
+          Effect own;
+          this->reflect(mixed_.light(part), gradient, along, hn::Zero(d), own);
+          for (int c = 0; c < 3; ++c)
+          {
+            color[c] =
+              hn::Min(hn::ZeroIfNegative(mulAdd(own.times[c], color[c], own.plus[c])), hn::Set(d, Real(1)));
+          }
+        },
+        effect);
     }
     if (!scene_.usesGradients)
     {
@@ -198,13 +212,7 @@ public:
       return effect;
     }
     Reals<Real> gradient[3];
-    for (int a = 0; a < 3; ++a)
-    {
-      Reals<Real> lower[4];
-      Reals<Real> upper[4];
-      gradients_[a].pairs(spot.vertex, lower, upper);
-      gradient[a] = hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
-    }
+    gradientAt<Real>(gradients_, spot, gradient);
     if (readsTable)
     {
       mixed_.lookUp(
@@ -224,7 +232,7 @@ public:
     }
     if (scene_.shades)
     {
-      this->reflect(gradient, along, extinction, effect);
+      this->reflect(scene_, gradient, along, extinction, effect);
     }
     return effect;
   }
@@ -249,7 +257,8 @@ public:
 private:
   /// Shines on a unit normal.
   HWY_INLINE void reflect(
-    const Reals3<Real>& gradient, Reals<Real> along, Reals<Real> extinction, Effect& effect) const
+    const VolumeIllumination& scene, const Reals3<Real>& gradient, Reals<Real> along, Reals<Real> extinction,
+    Effect& effect) const
   {
     const RealTag<Real> d;
     Reals<Real> normal[3];
@@ -259,19 +268,19 @@ private:
       for (int a = 0; a < 3; ++a)
       {
         normal[r] =
-          mulAdd(hn::Set(d, static_cast<Real>(scene_.normalFromGradient[r][a])), gradient[a], normal[r]);
+          mulAdd(hn::Set(d, static_cast<Real>(scene.normalFromGradient[r][a])), gradient[a], normal[r]);
       }
     }
     normalize<Real>(normal);
     Reals<Real> point[3] = { start_[0], start_[1], start_[2] };
     Reals<Real> sight[3] = { sight_[0], sight_[1], sight_[2] };
-    if (scene_.needsPoints)
+    if (scene.needsPoints)
     {
       for (int a = 0; a < 3; ++a)
       {
         point[a] = mulAdd(along, slope_[a], start_[a]);
       }
-      if (!scene_.seesAlongRays)
+      if (!scene.seesAlongRays)
       {
         std::copy_n(point, 3, sight);
         normalize<Real>(sight);
@@ -280,15 +289,15 @@ private:
     const Reals<Real> towards = dotted<Real>(normal, sight);
     for (int c = 0; c < 3; ++c)
     {
-      effect.times[c] = hn::Set(d, static_cast<Real>(scene_.ambient));
-      effect.plus[c] = hn::Set(d, static_cast<Real>(scene_.ambientLight[c]));
+      effect.times[c] = hn::Set(d, static_cast<Real>(scene.ambient));
+      effect.plus[c] = hn::Set(d, static_cast<Real>(scene.ambientLight[c]));
     }
     ScatteredLight<Real> scattered;
-    if (scene_.scattering)
+    if (scene.scattering)
     {
       scattered = scattering_.at(along);
     }
-    for (const KernelLight& light : scene_.lights)
+    for (const KernelLight& light : scene.lights)
     {
       Reals<Real> travels[3] = { sight[0], sight[1], sight[2] };
       Reals<Real> arrives = hn::Set(d, Real(1));
@@ -296,18 +305,18 @@ private:
       {
         arrives = this->incoming(light, point, travels);
       }
-      if (scene_.scattering)
+      if (scene.scattering)
       {
         scattering_.add(light, arrives, hn::Neg(dotted<Real>(travels, sight)), scattered);
       }
       const Reals<Real> cosine = dotted<Real>(normal, travels);
-      const Reals<Real> facing = scene_.twoSided ? hn::Abs(cosine) : hn::ZeroIfNegative(cosine);
+      const Reals<Real> facing = scene.twoSided ? hn::Abs(cosine) : hn::ZeroIfNegative(cosine);
       const Reals<Real> falls = hn::Mul(arrives, facing);
       for (int c = 0; c < 3; ++c)
       {
         effect.times[c] = mulAdd(falls, hn::Set(d, static_cast<Real>(light.diffuse[c])), effect.times[c]);
       }
-      if (!scene_.shines)
+      if (!scene.shines)
       {
         continue;
       }
@@ -315,19 +324,19 @@ private:
       const Reals<Real> closeness =
         hn::Sub(hn::Mul(hn::Add(cosine, cosine), towards), dotted<Real>(travels, sight));
       const Reals<Real> highlight = hn::IfThenElseZero(hn::Gt(facing, hn::Zero(d)),
-        hn::Mul(arrives, power<Real>(hn::ZeroIfNegative(closeness), scene_.ofHighlights)));
+        hn::Mul(arrives, power<Real>(hn::ZeroIfNegative(closeness), scene.ofHighlights)));
       for (int c = 0; c < 3; ++c)
       {
         effect.plus[c] = mulAdd(highlight, hn::Set(d, static_cast<Real>(light.specular[c])), effect.plus[c]);
       }
     }
-    if (scene_.scattering)
+    if (scene.scattering)
     {
       const Reals<Real> part = scattering_.part(extinction);
       for (int c = 0; c < 3; ++c)
       {
         effect.times[c] = lerp(part, effect.times[c], scattered.times[c]);
-        effect.plus[c] = lerp(part, effect.plus[c], hn::Set(d, static_cast<Real>(scene_.ambientLight[c])));
+        effect.plus[c] = lerp(part, effect.plus[c], hn::Set(d, static_cast<Real>(scene.ambientLight[c])));
       }
     }
   }
@@ -369,105 +378,6 @@ private:
   Reals<Real> slope_[3];
   Reals<Real> sight_[3]; // the way that rays go
   ScatteringOnRays<Real> scattering_;
-};
-
-/// Where blocks have their gradients from, for one thread.
-template <class Real>
-class GradientSource
-{
-public:
-  explicit GradientSource(const VolumeKernelScene& scene)
-    : scene_(scene)
-  {
-    useNone();
-  }
-
-  /// Finds the gradients of the children of the path's node, or computes and keeps them. False when gradient opacity
-  /// hides all of them.
-  bool prepare(const BlockPath& path, BlockCells cells)
-  {
-    if (!scene_.gradients)
-    {
-      return true;
-    }
-    const std::uint64_t node = path.node[path.depth];
-    const BlockGradientRecord* record = scene_.gradients->find(node, cells);
-    if (record)
-    {
-      ++kept_;
-    }
-    else
-    {
-      const Octree& octree = scene_.field.octree();
-      const unsigned children = cells == BlockCells::Means ? 0xff
-        : octree.root().isLeaf()                           ? 1 // of a field at corners
-                                                           : octree.children(node).leaf;
-      const BlockVertices vertices = verticesOfChildren(children);
-      if (!evaluator_)
-      {
-        evaluator_.emplace(scene_.field);
-      }
-      evaluator_->compute(path, cells, vertices, computed_);
-      ++blocks_;
-      record_ = BlockGradientRecord(computed_, vertices, scene_.gradients->scale());
-      record = scene_.gradients->keep(node, cells, record_);
-      record = record ? record : &record_;
-    }
-    use(*record);
-    constexpr float diagonal = 1.7321f; // of three largest components, rounded up
-    return !scene_.settings.skipEmpty ||
-      diagonal * BlockGradientRecord::most * record->length > scene_.illumination->hiddenLength;
-  }
-  /// Of a constant.
-  void useNone() { use(none()); }
-
-  const GradientBlock<Real>& block() const noexcept { return block_; }
-  std::uint64_t kept() const noexcept { return kept_; }
-  std::uint64_t computed() const noexcept { return blocks_; }
-
-private:
-  static BlockVertices verticesOfChildren(unsigned children) noexcept
-  {
-    std::uint64_t octants = 0; // x + 4 y + 16 z
-    for (; children != 0; children &= children - 1)
-    {
-      const int child = std::countr_zero(children);
-      octants |= std::uint64_t(0x330033) << (2 * (child & 1) + 8 * (child >> 1 & 1) + 32 * (child >> 2));
-    }
-    return verticesOfOctants(octants);
-  }
-
-  static const BlockGradientRecord& none()
-  {
-    static const BlockGradientRecord record({}, {}, 0.);
-    return record;
-  }
-
-  void use(const BlockGradientRecord& record)
-  {
-    block_.stepLength = record.length;
-    for (int a = 0; a < 3; ++a)
-    {
-      if constexpr (std::is_same_v<Real, float>)
-      {
-        block_.steps[a] = record.steps[a].data();
-      }
-      else
-      {
-        std::copy(record.steps[a].begin(), record.steps[a].end(), exact_[a]);
-        block_.steps[a] = exact_[a];
-      }
-    }
-  }
-
-  const VolumeKernelScene& scene_;
-  std::optional<GradientEvaluator> evaluator_; // once something is computed: it is large
-  BlockGradients computed_;
-  BlockGradientRecord record_;
-  GradientBlock<Real> block_;
-  std::conditional_t<std::is_same_v<Real, float>, char, Real[3][128]> exact_;
-  std::uint64_t kept_ = 0;
-  std::uint64_t blocks_ = 0;
 };
 
 } // namespace HWY_NAMESPACE

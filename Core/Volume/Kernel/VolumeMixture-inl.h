@@ -8,6 +8,7 @@
 #endif
 
 #include "Volume/Kernel/VolumeBlocks-inl.h"
+#include "Volume/Kernel/VolumeGradients-inl.h"
 #include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
@@ -37,6 +38,8 @@ struct MixedBlocks
   const KernelTable2D* table = nullptr;   // of its, where samples read one
   const IntegralTable* tables[4] = {};
   Block<Real> blocks[4] = {};
+  const VolumeIllumination* lights[4] = {}; // of components that are lit, each by gradients of its own
+  GradientBlock<Real> gradients[4] = {};
 };
 
 /// What the gradient at samples does, and what colours them.
@@ -68,9 +71,12 @@ public:
     return mixed_.mixture && mixed_.mixture->mixing == VolumeMixing::Independent;
   }
   HWY_INLINE bool readsTable() const { return mixed_.table; }
+  HWY_INLINE const VolumeIllumination& light(int part) const { return *mixed_.lights[part]; }
+  HWY_INLINE const GradientBlock<Real>& gradients(int part) const { return mixed_.gradients[part]; }
 
-  /// Not of what reads a table.
-  HWY_NOINLINE void mix(const Spot<Real>& spot, Effect& effect) const
+  /// Not of what reads a table. lighten(part, color): what light makes of a component's colour, where it is lit.
+  template <class Lighten>
+  HWY_NOINLINE void mix(const Spot<Real>& spot, const Lighten& lighten, Effect& effect) const
   {
     const Places<Real> first = placesOf(0, spot);
     switch (mixed_.mixture->mixing)
@@ -90,7 +96,8 @@ public:
         }
         break;
       case VolumeMixing::Independent:
-        this->mixComponents(spot, first, effect);
+        mixed_.lights[0] ? this->mixComponents<true>(spot, first, lighten, effect)
+                         : this->mixComponents<false>(spot, first, lighten, effect);
         break;
       case VolumeMixing::Table:
         break;
@@ -172,7 +179,9 @@ private:
   }
 
   /// As VTK has it: the sum of the extinctions' squares by their weighted sum, which is that of the colours.
-  HWY_INLINE void mixComponents(const Spot<Real>& spot, const Places<Real>& first, Effect& effect) const
+  template <bool AreLit, class Lighten>
+  HWY_INLINE void mixComponents(
+    const Spot<Real>& spot, const Places<Real>& first, const Lighten& lighten, Effect& effect) const
   {
     const RealTag<Real> d;
     const auto count = static_cast<int>(mixed_.mixture->parts.size());
@@ -192,6 +201,22 @@ private:
         hn::Set(d, static_cast<Real>(std::numbers::log2e * mixed_.tables[part]->unscale()));
       extinctions[part] = hn::Mul(hn::ZeroIfNegative(places.term[3]), scale);
       weighted = mulAdd(hn::Set(d, weight), extinctions[part], weighted);
+      if constexpr (AreLit)
+      {
+        const Mask<Real> shows = hn::Gt(places.term[3], hn::Zero(d));
+        const Reals<Real> whole = hn::IfThenElse(shows, places.term[3], hn::Set(d, Real(1)));
+        Reals<Real> color[3];
+        for (int c = 0; c < 3; ++c)
+        {
+          color[c] = hn::Div(places.term[c], whole);
+        }
+        lighten(part, color);
+        for (int c = 0; c < 3; ++c)
+        {
+          emitted[c] = mulAdd(color[c], hn::Mul(extinctions[part], hn::Set(d, weight)), emitted[c]);
+        }
+        continue;
+      }
       const Reals<Real> ofPart = hn::Mul(scale, hn::Set(d, weight));
       for (int c = 0; c < 3; ++c)
       {
@@ -232,6 +257,11 @@ public:
       {
         const VolumeKernelScene& part = *scene.mixture->parts[i];
         sources_.push_back(std::make_unique<Source>(part));
+        if (part.illumination && part.illumination->shades && scene.isOfMany())
+        {
+          blocks_.lights[i] = &*part.illumination;
+          gradients_.push_back(std::make_unique<GradientSource<Real>>(part));
+        }
         blocks_.tables[i] = part.table.integrals.get();
         hasCorners_ = hasCorners_ || part.field.corners();
       }
@@ -251,6 +281,11 @@ public:
       sources_[i]->prepare(path, cells, leafWidth, blocks_.blocks[i]);
       isVisible = isVisible || isSeen(i);
     }
+    for (std::size_t i = 0; i < gradients_.size() && isVisible; ++i)
+    {
+      gradients_[i]->prepare(path, cells);
+      blocks_.gradients[i] = gradients_[i]->block();
+    }
     return isVisible;
   }
   /// Of a node whose value is the same everywhere in it.
@@ -260,6 +295,11 @@ public:
     {
       const double place = blocks_.tables[i]->placeOf(blocks_.mixture->parts[i]->field.relative(node));
       blocks_.blocks[i] = sources_[i]->constant(static_cast<Real>(place), 0, true);
+    }
+    for (std::size_t i = 0; i < gradients_.size(); ++i)
+    {
+      gradients_[i]->useNone();
+      blocks_.gradients[i] = gradients_[i]->block();
     }
   }
   bool hasCorners() const noexcept { return hasCorners_; }
@@ -271,6 +311,11 @@ public:
     for (const auto& source : sources_)
     {
       all += source->statistics();
+    }
+    for (const auto& source : gradients_)
+    {
+      all.keptGradients += source->kept();
+      all.gradients += source->computed();
     }
     return all;
   }
@@ -292,6 +337,7 @@ private:
   }
 
   std::vector<std::unique_ptr<Source>> sources_;
+  std::vector<std::unique_ptr<GradientSource<Real>>> gradients_; // of parts that are lit
   MixedBlocks<Real> blocks_;
   bool showsParts_ = false;
   bool hasCorners_ = false;

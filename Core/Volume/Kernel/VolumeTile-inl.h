@@ -110,8 +110,8 @@ public:
     statistics.rays = drawnRays_;
     if constexpr (isLit)
     {
-      statistics.keptGradients = gradients_.kept();
-      statistics.gradients = gradients_.computed();
+      statistics.keptGradients = gradients_.kept() + mixture_.statistics().keptGradients;
+      statistics.gradients = gradients_.computed() + mixture_.statistics().gradients;
       statistics.keptColors = mixture_.statistics().kept;
       statistics.colors = mixture_.statistics().blocks;
     }
