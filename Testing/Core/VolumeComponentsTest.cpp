@@ -7,6 +7,7 @@
 #include "Support/ImageError.h"
 #include "Support/Kernels.h"
 #include "Support/RandomTrees.h"
+#include "Support/VolumeLight.h"
 #include "Support/VolumeViews.h"
 #include "Volume/Volume.h"
 
@@ -70,7 +71,8 @@ const std::vector<TransferFunction>& functions()
 /// Light that points of a field emit, and their extinction.
 using Emission = std::function<std::array<double, 4>(const Vec3&)>;
 
-Image march(const Camera& camera, const Emission& emission)
+/// Along all of the domain but this much at its faces.
+Image march(const Camera& camera, const Emission& emission, double margin = 0.)
 {
   constexpr int steps = 1500;
   Image image(width, height);
@@ -80,8 +82,8 @@ Image march(const Camera& camera, const Emission& emission)
     double end = camera.tFromDepth(ray, 1.);
     for (int a = 0; a < 3; ++a)
     {
-      const double low = (0. - ray.origin[a]) / ray.direction[a];
-      const double high = (2. - ray.origin[a]) / ray.direction[a];
+      const double low = (margin - ray.origin[a]) / ray.direction[a];
+      const double high = (2. - margin - ray.origin[a]) / ray.direction[a];
       begin = std::max(begin, std::min(low, high));
       end = std::min(end, std::max(low, high));
     }
@@ -156,21 +158,21 @@ std::vector<Camera> cameras()
 
 /// Colours of several components may be brighter than white, as VTK's are before they are shown.
 void expectPictures(
-  Volume& volume, const Camera& camera, const VolumeSettings& settings, const Image& expected)
+  Volume& volume, const RayView& view, const VolumeSettings& settings, const Image& expected)
 {
   EXPECT_GT(*std::max_element(expected.rgba.begin(), expected.rgba.end()), 0.2f);
   VolumeSettings many = settings;
   many.samplesPerCell = 32.;
   inFloatsAndDoubles(many, [&](const VolumeSettings& ofKernel) {
     Image image(width, height);
-    volume.render(camera, ofKernel, image);
+    volume.render(view, ofKernel, image);
     EXPECT_LT(largestDifference(image, expected), 3. * tolerance); // a march's steps pass the ends of cells
     EXPECT_LT(meanDifference(image, expected), 0.3 * tolerance);
   });
   std::array<Image, 2> firsts{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
   forEachKernel(settings, [&](const std::string& kernel, const VolumeSettings& ofKernel) {
     Image image(width, height);
-    volume.render(camera, ofKernel, image);
+    volume.render(view, ofKernel, image);
     EXPECT_LT(meanDifference(image, expected), tolerance) << kernel;
     Image& first = firsts[ofKernel.doubles];
     first = first.width == 0 ? image : first;
@@ -201,6 +203,79 @@ TEST(VolumeComponents, IndependentOnesAreMixedAtEachPoint)
         expectPictures(volume, camera, settings, expected);
       }
     }
+  }
+}
+
+/// Linear ones, whose gradients are these everywhere but at the domain's faces.
+TEST(VolumeComponents, EachIsLitByItsOwnGradients)
+{
+  const RandomTree tree{ 31, { 2, 2, 2 }, 3, 1., 0., true };
+  constexpr double margin = 0.25; // of two cells
+  std::vector<LeafCell> cells = makeRandomTree(tree);
+  const std::vector<Vec3> slopes{ { 0.3, 0.1, -0.2 }, { -0.1, 0.4, 0.2 }, { 0.05, -0.2, 0.5 } };
+  std::vector<FieldPtr> all;
+  for (const Vec3& slope : slopes)
+  {
+    setValues(cells, [&](const auto& p) { return slope[0] * p[0] + slope[1] * p[1] + slope[2] * p[2]; });
+    const FieldPtr field = makeField(unitRoots(tree.roots), cells);
+    all.push_back(all.empty()
+        ? field
+        : std::make_shared<const Field>(all[0]->sharedOctree(), LargeVector<float>(field->leafValues())));
+  }
+  const std::vector<float> weights{ 1.f, 0.6f, 0.9f };
+  Volume volume(all[0], functions()[0]);
+  setComponents(volume, all, weights);
+  Light light;
+  light.positional = true;
+  light.position = { 1., 4., -1. };
+  light.color = { 0.9f, 1.f, 0.7f };
+  VolumeSettings settings;
+  for (int i = 0; i < 3; ++i)
+  {
+    VolumeShading shading;
+    shading.ambient = 0.2f * static_cast<float>(i);
+    shading.specular = 0.3f * static_cast<float>(i);
+    shading.specularPower = 4.f;
+    shading.ambientLight = { 0.02f, 0.f, 0.05f };
+    shading.lights = { light };
+    if (i == 0)
+    {
+      settings.shading = shading;
+      continue;
+    }
+    settings.componentShading.push_back(shading);
+  }
+  RayStops stops;
+  stops.cut.addBox({ { margin, margin, margin }, { 2. - margin, 2. - margin, 2. - margin } });
+  for (const Camera& camera : cameras())
+  {
+    const auto emission = [&](const Vec3& point) {
+      std::array<double, 4> sum{};
+      double squares = 0.;
+      double weighted = 0.;
+      for (int i = 0; i < 3; ++i)
+      {
+        const Entry e = functions()[i].at(static_cast<float>(dot(slopes[i], point)));
+        const VolumeShading& shading = i == 0 ? *settings.shading : settings.componentShading[i - 1];
+        const auto lit = lightVolume(shading, point, slopes[i], { e.r, e.g, e.b });
+        squares += std::pow(e.extinction, 2);
+        weighted += weights[i] * e.extinction;
+        for (int c = 0; c < 3; ++c)
+        {
+          sum[c] += weights[i] * e.extinction * lit[c];
+        }
+      }
+      sum[3] = weighted > 0. ? squares / weighted : 0.;
+      return sum;
+    };
+    const Image expected = march(camera, emission, margin);
+    const RayView view{ camera, stops };
+    expectPictures(volume, view, settings, expected);
+    VolumeSettings unlit = settings;
+    unlit.shading.reset();
+    Image image(width, height);
+    volume.render(view, unlit, image);
+    EXPECT_GT(largestDifference(image, expected), 0.05f);
   }
 }
 
