@@ -29,6 +29,15 @@ float opacityOf(const GradientOpacity& function, double length)
     std::lerp(function.entries[entry], function.entries[entry + 1], place - static_cast<double>(entry)));
 }
 
+/// Whether they are one light, which a moving camera sees in other places, rounded. size: of the domain.
+bool areAlike(const ShadowLattice::Source& a, const ShadowLattice::Source& b, double size)
+{
+  constexpr double rounding = 1e-9;
+  const Vec3 difference{ a.place[0] - b.place[0], a.place[1] - b.place[1], a.place[2] - b.place[2] };
+  const double place = std::sqrt(dot(a.place, a.place)) + (a.isPositional ? size : 0.);
+  return a.isPositional == b.isPositional && std::sqrt(dot(difference, difference)) <= rounding * place;
+}
+
 /// Calls mark(box) for parts of the domain that hold all that is visible, none of them much wider than `width`.
 template <class Mark>
 class VisibleParts
@@ -202,7 +211,10 @@ void ShadowLattice::measure(const Field& field, const IntegralTable& integrals)
 
 void ShadowLattice::illuminate(const std::vector<Source>& sources, double reach, double worldPerData)
 {
-  if (sources == sources_ && reach == reach_ && worldPerData == worldPerData_)
+  const bool isLit = std::equal(sources.begin(), sources.end(), sources_.begin(), sources_.end(),
+    [size = cell_[0] * nodes_[0] + cell_[1] * nodes_[1] + cell_[2] * nodes_[2]](
+      const Source& a, const Source& b) { return areAlike(a, b, size); });
+  if (isLit && reach == reach_ && std::abs(worldPerData - worldPerData_) <= 1e-9 * worldPerData)
   {
     return;
   }
