@@ -157,7 +157,8 @@ def leaf_boxes(grid):
     cursor = vtkHyperTreeGridNonOrientedGeometryCursor()
     for tree in range(grid.GetMaxNumberOfTrees()):
         cursor.Initialize(grid, tree, False)
-        add(cursor)
+        if cursor.HasTree():
+            add(cursor)
     return boxes
 
 
