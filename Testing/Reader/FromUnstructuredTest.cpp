@@ -457,7 +457,7 @@ TEST(FromUnstructured, ArraysKeepTheirTypes)
     ASSERT_TRUE(array) << name;
     EXPECT_EQ(array->GetDataType(), type);
     EXPECT_STREQ(array->GetClassName(), data->GetAbstractArray(name.c_str())->GetClassName());
-    EXPECT_EQ(array->GetNumberOfTuples(), result.grid->GetNumberOfCells());
+    EXPECT_EQ(array->GetNumberOfTuples(), countVertices(result.grid));
     forEachLeaf(result.grid, [&](const double*, vtkIdType id) {
       const auto number = static_cast<vtkIdType>(out->GetArray("number")->GetComponent(id, 0));
       const int components = array->GetNumberOfComponents();
