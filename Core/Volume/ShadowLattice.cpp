@@ -158,12 +158,22 @@ void ShadowLattice::markVisible(const Field& field, const TransferFunction& tran
   VisibleParts(field, transferFunction, cell_[0], mark).visit(root, { 0, 0, 0 }, field.range());
 }
 
-/// Each is the mean over points around the node, and for each of these over the values that the field has as near to it.
+/// Each is the mean over points around the node, or of it alone where no leaf is narrower than the lattice's cells, and for
+/// each of these over the values that the field has as near to it.
 void ShadowLattice::measure(const Field& field, const IntegralTable& integrals)
 {
   const double unit = 1. / diagonalOf(field.octree().grid().bounds());
   tbb::enumerable_thread_specific<PointSampler> samplers([&field] { return PointSampler(field); });
-  const Bounds domain = field.octree().grid().bounds();
+  const RootGrid& grid = field.octree().grid();
+  const Bounds domain = grid.bounds();
+  bool isFine = false;
+  for (int a = 0; a < 3; ++a)
+  {
+    const double root = (domain.max[a] - domain.min[a]) / grid.roots()[a];
+    isFine = isFine || std::ldexp(root, -field.octree().leafLevels()) < cell_[a];
+  }
+  const int points = isFine ? 8 : 1;
+  const double reach = isFine ? 0.25 : 0.5; // of a point, in cells
   const auto extinctionAround = [&](PointSampler& sampler, Vec3 point) {
     for (int a = 0; a < 3; ++a)
     {
@@ -177,7 +187,7 @@ void ShadowLattice::measure(const Field& field, const IntegralTable& integrals)
     double change = 0.; // up to the farthest of the values
     for (int a = 0; a < 3; ++a)
     {
-      change += 0.25 * cell_[a] * std::abs(sample.gradient[a]);
+      change += reach * cell_[a] * std::abs(sample.gradient[a]);
     }
     const Range range = field.range();
     const double low = std::clamp<double>(sample.value - change, range.min, range.max);
@@ -195,16 +205,16 @@ void ShadowLattice::measure(const Field& field, const IntegralTable& integrals)
     {
       const std::size_t node = index(x, y, z);
       double sum = 0.;
-      for (int octant = 0; octant < 8 && isVisible_[node]; ++octant)
+      for (int octant = 0; octant < points && isVisible_[node]; ++octant)
       {
         const auto at = [&](int axis, int i, int upper) {
-          return origin_[axis] + cell_[axis] * (i + (upper ? 0.25 : -0.25));
+          return origin_[axis] + cell_[axis] * (i + (isFine ? (upper ? 0.25 : -0.25) : 0.));
         };
         sum += extinctionAround(
           sampler, { at(0, x, octant & 1), at(1, y, octant >> 1 & 1), at(2, z, octant >> 2) });
       }
       extinctions_[node] =
-        static_cast<float>(std::min(sum / 8., static_cast<double>(TransferFunction::opaqueExtinction)));
+        static_cast<float>(std::min(sum / points, static_cast<double>(TransferFunction::opaqueExtinction)));
     }
   });
 }
