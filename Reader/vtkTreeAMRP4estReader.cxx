@@ -77,7 +77,7 @@ std::string TextOf(const char* text)
 }
 
 // Those of the payload and of files, which keep their names, and those that tell of the quadrants themselves. Throws Error
-// when two have one name.
+// when a file's has the name of one of the payload.
 std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields,
   const std::vector<treeamr::QuadrantArray>& ofFiles, bool generateLevel)
 {
@@ -99,12 +99,10 @@ std::vector<std::string> ArrayNames(const std::vector<PayloadField>& fields,
   {
     for (const char* name : { treeamr::levelArrayName, treeamr::treeIdArrayName })
     {
-      if (std::ranges::find(names, name) != names.end())
+      if (std::ranges::find(names, name) == names.end())
       {
-        throw treeamr::Error("payload or quadrant arrays: \"" + std::string(name) +
-          "\", which GenerateLevel adds, too, allowed are other names or GenerateLevel off");
+        names.emplace_back(name);
       }
-      names.emplace_back(name);
     }
   }
   return names;

@@ -279,24 +279,6 @@ TEST_F(P4estReaderArraysTest, AllArraysOffStayOffWithAnotherPayload)
   EXPECT_EQ(fresh->GetHyperTreeGridOutput()->GetCellData()->GetNumberOfArrays(), 2);
 }
 
-TEST_F(P4estReaderArraysTest, GeneratedNamesAreNotOfThePayload)
-{
-  const std::string path = folder_.file("forest.p8est");
-  smallBrick().save(path);
-  const MessageCatcher errors(reader_, vtkCommand::ErrorEvent);
-  const MessageCatcher pipeline(reader_->GetExecutive(), vtkCommand::ErrorEvent);
-  reader_->SetFileName(path.c_str());
-  reader_->SetPayload("float level; float b; float c");
-  reader_->Update();
-  EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "level", "b", "c" }));
-  EXPECT_TRUE(errors.messages().empty());
-  reader_->SetGenerateLevel(true);
-  reader_->Update();
-  ASSERT_EQ(errors.messages().size(), 1u);
-  EXPECT_NE(errors.messages()[0].find(R"("level", which GenerateLevel adds, too)"), std::string::npos)
-    << errors.messages()[0];
-}
-
 TEST_F(P4estReaderArraysTest, UnknownSelectedArraysAreAWarning)
 {
   const std::string path = folder_.file("forest.p8est");
