@@ -44,23 +44,29 @@ std::vector<double> checked(std::vector<double> isovalues)
   return isovalues;
 }
 
-/// Less the field's offset. Of values that cells have, as they have them, and by less than anybody sees below: what is at
-/// the isovalue is inside, as contours have it, so that of a plateau no more than its lower end is on the surface.
+/// Less the field's offset: of values that cells have, as they have them. At the least one all is inside, as contours have it:
+/// then such that no surface is found.
 std::vector<double> relative(std::vector<double> isovalues, const Field& field)
 {
   const LargeVector<float>& values = field.leafValues();
   const double min = field.range().min;
-  const double max = field.range().max;
+  const double width = field.range().max - min;
   constexpr double ofRange = 0x1p-16; // by which fields' values are rounded at most, or they would have an offset
-  constexpr double unseen = 0x1p-46;  // yet more than rounding makes of plateaus
   for (double& isovalue : isovalues)
   {
     const float stored = field.stored(isovalue);
     isovalue -= field.offset();
-    if (!field.corners() && std::abs(stored - isovalue) <= ofRange * (max - min) &&
-      std::find(values.begin(), values.end(), stored) != values.end())
+    if (std::abs(stored - isovalue) > ofRange * width)
     {
-      isovalue = stored - unseen * std::max(std::abs(min), std::abs(max));
+      continue;
+    }
+    if (stored == min)
+    {
+      isovalue = min - width - std::abs(min) - 1.;
+    }
+    else if (std::find(values.begin(), values.end(), stored) != values.end())
+    {
+      isovalue = stored;
     }
   }
   return isovalues;

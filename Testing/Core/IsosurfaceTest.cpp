@@ -248,7 +248,7 @@ TEST(Isosurface, OfAPlateauIsWhereItBegins)
 }
 
 // As of contours: inside is what is at the isovalue or above, of doubles that floats do not have, too.
-TEST(Isosurface, OfAPlateauIsItsLowerEnd)
+TEST(Isosurface, OfTheLeastValueIsNothing)
 {
   const RandomTree options{ 41, { 4, 2, 2 }, 3, 0.6, 0., false };
   const Ray ray{ { -1., 0.4, 0.3 }, unit({ 1., 0.02, 0.01 }) };

@@ -11,6 +11,7 @@
 #include "vtkOpenGLState.h"
 #include "vtkPiecewiseFunction.h"
 
+#include <chrono>
 #include <thread>
 
 namespace
@@ -85,10 +86,20 @@ protected:
     volume->GetProperty()->GetScalarOpacity()->AddPoint(1., 0.3);
     scene.setCamera();
   }
-  /// To what takes a second, or that many times longer, and back.
+  /// To what takes a second on this machine, or that many times longer, and back.
   void makeLong(double times = 1.)
   {
-    scene.window->SetSize(800, 800);
+    mapper->SetSamplesPerCell(256.);
+    for (const int size : { 800, 1200, 1800, 2700, 4000 })
+    {
+      scene.window->SetSize(size, size);
+      const auto start = std::chrono::steady_clock::now();
+      scene.render();
+      if (std::chrono::steady_clock::now() - start > std::chrono::seconds(1))
+      {
+        break;
+      }
+    }
     mapper->SetSamplesPerCell(256. * times);
   }
   void makeShort()
