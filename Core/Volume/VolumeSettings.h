@@ -65,7 +65,7 @@ struct VolumeShading
   Matrix4 lightsFromData{ 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1. }; // affine
   /// Whether light also falls on sides whose values fall the way it travels.
   bool twoSided = true;
-  std::optional<VolumeScattering> scattering{};
+  std::optional<VolumeScattering> scattering{}; // none: all of the light is reflected
 };
 
 /// By which a sample's extinction is multiplied: a function of the length of the gradient, per unit of data
