@@ -78,9 +78,9 @@ public:
   void setChannels(const std::array<std::shared_ptr<const Field>, 3>& rgb);
   /// Two to four components, the first one of the volume's own field and function, mixed at each sample as VTK's GPU
   /// mapper mixes independent components: their extinctions' squares by the weighted sum of these, colours by weight and
-  /// extinction. Each is lit by its own gradients, and has
-  /// no gradient opacity; where cells show values of their own they are not lit. None or one: the volume alone. Throws Error, and keeps what was there, as setColors()
-  /// and for weights that are negative or not finite.
+  /// extinction. Each is lit by its own gradients, and has no gradient opacity; where cells show values of their own they
+  /// are not lit. None or one: the volume alone. Throws Error, and keeps what was there, as setColors() and for weights that
+  /// are negative or not finite.
   void setComponents(std::vector<Component> others, float ownWeight = 1.f);
   /// Colours and extinctions by two values: that of the volume's field and, with `second`, that of another one, else the
   /// length of its own gradient per unit of data coordinates. In place of the transfer function, which becomes
