@@ -46,11 +46,19 @@ struct BlockPath
   /// To the inner node at an index on the lattice of a depth: it must exist.
   BlockPath(const Octree& octree, const std::array<Coord, 3>& index, int to) noexcept
   {
-    for (int up = to - 1; up >= 0; --up)
+    descendTo(octree, index, to);
+  }
+
+  /// To another such node, from where the ways part.
+  void moveTo(const Octree& octree, const std::array<Coord, 3>& index, int to) noexcept
+  {
+    int common = 0;
+    while (common < std::min(depth, to) && octant[common] == octantAbove(index, to - 1 - common))
     {
-      const int at = octantAbove(index, up);
-      descend(at, octree.children(node[depth]).innerIndex(at));
+      ++common;
     }
+    depth = common;
+    descendTo(octree, index, to);
   }
 
   void descend(int childOctant, std::uint64_t child) noexcept
@@ -59,6 +67,16 @@ struct BlockPath
     node[++depth] = child;
   }
   void ascend() noexcept { --depth; }
+
+private:
+  void descendTo(const Octree& octree, const std::array<Coord, 3>& index, int to) noexcept
+  {
+    while (depth < to)
+    {
+      const int at = octantAbove(index, to - 1 - depth);
+      descend(at, octree.children(node[depth]).innerIndex(at));
+    }
+  }
 };
 
 /// The corners of the leaves among the children of the node at a path's end; of an octree whose root is a leaf, this one's.

@@ -10,6 +10,7 @@
 #define TREEAMR_VOLUMEBLENDS_INL_H
 #endif
 
+#include "Volume/Kernel/NodeQueue.h"
 #include "Volume/Kernel/VolumeCubics-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeRays-inl.h"
@@ -23,6 +24,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <span>
 
 HWY_BEFORE_NAMESPACE();
 namespace treeamr
@@ -39,6 +41,65 @@ inline double opacityOf(const VolumeKernelScene& scene, double extinction)
 template <class Real, VolumeLoop Loop>
 class RayBlends;
 
+/// A node that rays of a tile have still to visit.
+template <class Real>
+struct WaitingNode
+{
+  std::uint64_t node;
+  Range range;
+  Box<Real> box;
+  std::array<Coord, 3> index;
+  int depth;
+  GroupMask active;
+  Real most; // places
+  Real least;
+};
+
+/// A block's values, and for each octant the largest one of its vertices, or the smallest where places fall: most octants
+/// need no more than one look at that.
+template <class Values>
+class BoundedValues : public Values
+{
+  using Element = typename Values::Element;
+
+public:
+  BoundedValues(const Element* values, bool isFalling)
+    : Values{ values }
+    , mostOf_{ isFalling ? this->template bound<true>(values) : this->template bound<false>(values) }
+  {
+  }
+
+  /// Of the octants whose lowest vertices these are.
+  template <class Index>
+  HWY_INLINE auto mostOf(Index vertex) const
+  {
+    return mostOf_.at(vertex);
+  }
+
+private:
+  static constexpr int count = 128;
+
+  template <bool IsFalling>
+  const Element* bound(const Element* values)
+  {
+    const hn::CappedTag<Element, 32> d;
+    std::copy_n(values, count, bounds_);
+    for (const int next : { 1, 5, 25 }) // along x, y, z
+    {
+      for (int i = 0; i < count; i += hn::Lanes(d))
+      {
+        const auto own = hn::Load(d, bounds_ + i);
+        const auto other = hn::LoadU(d, bounds_ + i + next);
+        hn::Store(IsFalling ? hn::Min(own, other) : hn::Max(own, other), d, bounds_ + i);
+      }
+    }
+    return bounds_;
+  }
+
+  HWY_ALIGN Element bounds_[count + 32] = {};
+  Values mostOf_;
+};
+
 /// The largest places so far.
 template <class Real>
 class RayBlends<Real, VolumeLoop::Extreme>
@@ -51,6 +112,8 @@ public:
   }
 
   void start() noexcept { std::fill_n(most_, tileRays, nothing); }
+
+  NodeQueue<WaitingNode<Real>>& queue() noexcept { return queue_; }
 
   /// Of groups those that have rays which have less than a place.
   GroupMask open(GroupMask active, Real place) const
@@ -70,12 +133,11 @@ public:
     }
     return groups;
   }
-  /// The largest place of a range.
-  Real mostOf(const Range& range) const noexcept
-  {
-    const auto placeOf = [this](float value) { return (value - scene_.placeOrigin) * scene_.perValue; };
-    return static_cast<Real>(std::max(placeOf(range.min), placeOf(range.max)));
-  }
+  ///@{
+  /// Places of a range.
+  Real mostOf(const Range& range) const noexcept { return std::max(placeOf(range.min), placeOf(range.max)); }
+  Real leastOf(const Range& range) const noexcept { return std::min(placeOf(range.min), placeOf(range.max)); }
+  ///@}
 
   /// Whether rays from `ray` on have less than a place.
   HWY_INLINE Mask<Real> areOpen(int ray, Real place) const
@@ -86,51 +148,41 @@ public:
 
   /// Takes the rays from `ray` on that are open through a span; the number of vectors of octants.
   template <class Values>
-  HWY_INLINE std::uint64_t take(const Span<Real>& span, Mask<Real> open, const Values& values,
+  HWY_INLINE std::uint64_t take(const Span<Real>& span, Mask<Real> open, const BoundedValues<Values>& values,
     const ToTable<Real>& toTable, const Lattice<Real>& lattice, int ray, Reals<Real>& samples)
   {
     const RealTag<Real> d;
     Reals<Real> most = hn::Load(d, most_ + ray);
     const Reals<Real> one = hn::Set(d, Real(1));
-    const ToFaces<Real> toFaces(span);
-    Reals<Real> at = hn::Zero(d); // of the span
-    std::uint64_t steps = 0;
-    for (;;)
+    // The bounds of all octants first: what waits for each of them in turn takes longer.
+    Octant octants[OctantWalk<Real>::most];
+    OctantWalk<Real> walk(span, lattice);
+    int count = 0;
+    for (Reals<Real> begin = hn::Zero(d); count < OctantWalk<Real>::most; ++count)
     {
-      const Mask<Real> active = hn::And(open, hn::Lt(at, one));
+      const Mask<Real> active = hn::And(open, hn::Lt(begin, one));
       if (hn::AllFalse(d, active))
       {
         break;
       }
-      ++steps;
       samples = hn::Add(samples, hn::IfThenElseZero(active, one));
-      const Reals<Real> size = hn::Min(toFaces(at), hn::Sub(one, at));
-      const Reals<Real> halfSize = hn::Mul(size, half<Real>());
-      const Spot<Real> middle = locate(span, hn::Add(at, halfSize), lattice);
-      Reals<Real> lower[4];
-      Reals<Real> upper[4];
-      values.pairs(middle.vertex, lower, upper);
-      const Reals<Real> bound = inTable(toTable, mostOf(lower, upper, toTable.scale < 0));
-      const Mask<Real> isMore = hn::And(active, hn::Lt(most, bound));
+      const Reals<Real> end = hn::Min(walk.end(), one);
+      const Reals<Real> bound = inTable(toTable, values.mostOf(walk.vertex()));
+      octants[count] = { begin, end, hn::IfThenElse(active, bound, hn::Set(d, nothing)) };
+      walk.goOn();
+      begin = end;
+    }
+    for (const Octant& octant : std::span(octants, count))
+    {
+      const Mask<Real> isMore = hn::Lt(most, octant.bound);
       if (!hn::AllFalse(d, isMore))
       {
-        const auto after = [&](Reals<Real> parts) {
-          Reals<Real> f[3];
-          for (int a = 0; a < 3; ++a)
-          {
-            f[a] = mulAdd(hn::Mul(parts, span.step), span.slope[a], middle.f[a]);
-          }
-          return inTable(toTable, between<Real>(f, lower, upper));
-        };
-        const Reals<Real> quarter = hn::Mul(halfSize, half<Real>());
-        const Reals<Real> largest = largestOf(
-          after(hn::Neg(halfSize)), after(hn::Neg(quarter)), after(hn::Zero(d)), after(halfSize), most);
-        most = hn::IfThenElse(isMore, hn::Min(largest, bound), most);
+        const Reals<Real> largest = largestIn(octant, span, values, toTable, lattice, most);
+        most = hn::IfThenElse(isMore, hn::Min(largest, octant.bound), most);
       }
-      at = hn::Add(at, size);
     }
     hn::Store(most, d, most_ + ray);
-    return steps;
+    return static_cast<std::uint64_t>(count);
   }
 
   /// Takes some rays from `ray` on through a constant.
@@ -149,60 +201,61 @@ public:
   }
 
   /// Colour times opacity, and opacity.
-  std::array<Real, 4> result(int ray, bool /*crosses*/) const
+  std::array<Real, 4> result(int ray, bool /*crosses*/)
   {
-    if (most_[ray] == nothing)
+    if (most_[ray] != last_) // many have the most that there is
     {
-      return {};
+      last_ = most_[ray];
+      const double value = scene_.placeOrigin + (scene_.perValue != 0. ? last_ / scene_.perValue : 0.);
+      const TransferFunction::Entry entry = scene_.transferFunction.at(static_cast<float>(value));
+      const double opacity = opacityOf(scene_, entry.extinction);
+      result_ = { static_cast<Real>(opacity * entry.r), static_cast<Real>(opacity * entry.g),
+        static_cast<Real>(opacity * entry.b), static_cast<Real>(opacity) };
     }
-    const double value = scene_.placeOrigin + (scene_.perValue != 0. ? most_[ray] / scene_.perValue : 0.);
-    const TransferFunction::Entry entry = scene_.transferFunction.at(static_cast<float>(value));
-    const double opacity = opacityOf(scene_, entry.extinction);
-    return { static_cast<Real>(opacity * entry.r), static_cast<Real>(opacity * entry.g),
-      static_cast<Real>(opacity * entry.b), static_cast<Real>(opacity) };
+    return last_ == nothing ? std::array<Real, 4>{} : result_;
   }
 
 private:
-  static constexpr Real nothing = -std::numeric_limits<Real>::infinity();
-
-  /// The value whose place is the largest, of vertices.
-  static HWY_INLINE Reals<Real> mostOf(
-    const Reals<Real> (&lower)[4], const Reals<Real> (&upper)[4], bool isFalling)
+  struct Octant
   {
-    Reals<Real> most = lower[0];
-    for (int r = 0; r < 4; ++r)
-    {
-      most =
-        isFalling ? hn::Min(most, hn::Min(lower[r], upper[r])) : hn::Max(most, hn::Max(lower[r], upper[r]));
-    }
-    return most;
-  }
+    Reals<Real> begin; // of the span
+    Reals<Real> end;
+    Reals<Real> bound; // of places
+  };
 
-  /// Of a cubic along an octant, unless that is less than `most`.
-  static HWY_INLINE Reals<Real> largestOf(
-    Reals<Real> begin, Reals<Real> quarter, Reals<Real> middle, Reals<Real> end, Reals<Real> most)
+  /// What rays meet in an octant, unless that is less than `most`.
+  template <class Values>
+  static HWY_INLINE Reals<Real> largestIn(const Octant& octant, const Span<Real>& span, const Values& values,
+    const ToTable<Real>& toTable, const Lattice<Real>& lattice, Reals<Real> most)
   {
     const RealTag<Real> d;
-    Reals<Real> largest = hn::Max(hn::Max(begin, end), most);
-    const CubicPiece<Real> piece(begin, quarter, middle, end);
-    const Mask<Real> mayTurn = hn::Lt(largest, piece.mostInside(end));
-    if (hn::AllFalse(d, mayTurn))
-    {
-      return largest;
-    }
-    const typename CubicPiece<Real>::Turns turns = piece.turns();
-    for (const Reals<Real> u : turns.at)
-    {
-      const Mask<Real> isInside = hn::And(
-        hn::And(mayTurn, turns.areReal), hn::And(hn::Gt(u, hn::Zero(d)), hn::Lt(u, hn::Set(d, Real(1)))));
-      largest = hn::IfThenElse(isInside, hn::Max(largest, piece(hn::IfThenElseZero(isInside, u))), largest);
-    }
-    return largest;
+    const Spot<Real> middle =
+      locate(span, hn::Mul(hn::Add(octant.begin, octant.end), half<Real>()), lattice);
+    Reals<Real> lower[4];
+    Reals<Real> upper[4];
+    values.pairs(middle.vertex, lower, upper);
+    const Reals<Real> halfWay = hn::Mul(hn::Mul(hn::Sub(octant.end, octant.begin), half<Real>()), span.step);
+    const Reals<Real> way[3] = { hn::Mul(halfWay, span.slope[0]), hn::Mul(halfWay, span.slope[1]),
+      hn::Mul(halfWay, span.slope[2]) };
+    const CenteredCubic<Real> cubic(middle.f, way, lower, upper, toTable);
+    const Reals<Real> ofEnds = hn::Max(hn::Max(cubic.begin(), cubic.end()), most);
+    const Mask<Real> mayTurn = hn::Lt(ofEnds, cubic.mostInside());
+    return hn::AllFalse(d, mayTurn) ? ofEnds : cubic.largestTurn(mayTurn, ofEnds);
+  }
+
+  static constexpr Real nothing = -std::numeric_limits<Real>::infinity();
+
+  Real placeOf(float value) const noexcept
+  {
+    return static_cast<Real>((value - scene_.placeOrigin) * scene_.perValue);
   }
 
   const VolumeKernelScene& scene_;
+  NodeQueue<WaitingNode<Real>> queue_;
   Real limit_; // of places; infinite where nothing is skipped
   HWY_ALIGN Real most_[tileRays];
+  Real last_ = nothing; // place of which there is a result
+  std::array<Real, 4> result_{};
 };
 
 /// Integrals of opacity times place so far, and the lengths that count.

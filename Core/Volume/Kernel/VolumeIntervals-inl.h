@@ -35,6 +35,8 @@ template <class Real>
 class GradientSource;
 template <class Real>
 class MixtureSource;
+template <class Values>
+class BoundedValues;
 template <class Real, VolumeLoop Loop>
 class RayBlends;
 /// Of all others.
@@ -79,16 +81,20 @@ public:
     if constexpr (isExtreme)
     {
       active = blends_.open(active, block.toTable.last);
+      if (active == 0)
+      {
+        return;
+      }
     }
     if constexpr (Block<Real>::samplesSteps)
     {
       if (!block.exact)
       {
-        integrate(QuantisedValues{ block.steps }, block, box, lattice, active);
+        integrate(valuesOf<QuantisedValues>(block.steps, block), block, box, lattice, active);
         return;
       }
     }
-    integrate(ExactValues<Real>{ block.exact }, block, box, lattice, active);
+    integrate(valuesOf<ExactValues<Real>>(block.exact, block), block, box, lattice, active);
   }
 
   /// Makes colours of what rays of groups have, where that is not light.
@@ -173,6 +179,20 @@ protected:
   using Rays::parts_;
   using Rays::red_;
   using Rays::startAtReference;
+
+  template <class Values>
+  static HWY_INLINE auto valuesOf(
+    const typename Values::Element* values, [[maybe_unused]] const Block<Real>& block)
+  {
+    if constexpr (isExtreme)
+    {
+      return BoundedValues<Values>(values, block.toTable.scale < 0);
+    }
+    else
+    {
+      return Values{ values };
+    }
+  }
 
   template <class Values>
   void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,

@@ -157,6 +157,8 @@ struct ToTable
 class QuantisedValues
 {
 public:
+  using Element = std::uint16_t;
+
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
   /// All in four registers, of which two-source permutes pick: a gather takes as long as several of them.
   explicit HWY_INLINE QuantisedValues(const std::uint16_t* values)
@@ -186,6 +188,12 @@ public:
       upper[r] = hn::ConvertTo(
         d, hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<RealTag<float>>(), both))));
     }
+  }
+
+  /// Of single vertices.
+  HWY_INLINE Reals<float> at(Ints<float> index) const
+  {
+    return hn::ConvertTo(RealTag<float>(), hn::And(pairs(0, index), hn::Set(IntTag<float>(), 0xffff)));
   }
 
 private:
@@ -230,7 +238,14 @@ private:
 template <class Real>
 struct ExactValues
 {
+  using Element = Real;
+
   const Real* values;
+
+  HWY_INLINE Reals<Real> at(Ints<Real> index) const
+  {
+    return hn::GatherIndex(RealTag<Real>(), values, asWideAsLanes<Real>(index));
+  }
 
   HWY_INLINE void pairs(Ints<Real> index, Reals<Real> (&lower)[4], Reals<Real> (&upper)[4]) const
   {

@@ -166,6 +166,27 @@ private:
       index_ = {};
       const Box<Real> box = Intervals::toKernel(grid_.nodeBounds(index_, 0));
       root.isLeaf() ? visitOnlyLeaf(box, active) : visit(root.index(), box, active, range);
+      if constexpr (isExtreme)
+      {
+        visitFromTheMost();
+      }
+    }
+  }
+
+  /// What visits have left: of all of it the node with the largest places is next, so that none is visited that has less than
+  /// its rays in the end.
+  void visitFromTheMost()
+  {
+    while (!blends_.queue().isEmpty())
+    {
+      const auto next = blends_.queue().pop();
+      const GroupMask active = blends_.open(next.active, next.most);
+      if (active != 0)
+      {
+        index_ = next.index;
+        path_.moveTo(octree_, index_, next.depth);
+        visit(next.node, next.box, active, next.range);
+      }
     }
   }
 
@@ -209,11 +230,6 @@ private:
     const Vec3 planes = planesBetweenChildren();
     const std::array<Real, 3> middle = inKernel(planes);
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
-    std::array<std::uint8_t, 8> order;
-    if constexpr (isExtreme)
-    {
-      order = fromTheMost(children, range, ranges);
-    }
     // Memory is on its way while rays are tested.
     prefetchNodes(children);
     GroupMask crossing[8];
@@ -223,7 +239,7 @@ private:
     Block<Real> block;
     for (int i = 0; i < 8; ++i)
     {
-      const int octant = isExtreme ? order[i] : i ^ nearest;
+      const int octant = i ^ nearest;
       if (!(wanted >> octant & 1))
       {
         continue;
@@ -290,6 +306,12 @@ private:
 
   void descend(std::uint64_t node, int octant, const Box<Real>& box, GroupMask active, const Range& range)
   {
+    if constexpr (isExtreme)
+    {
+      blends_.queue().push({ node, range, box, indexOfChild(index_, octant), path_.depth + 1, active,
+        blends_.mostOf(range), blends_.leastOf(range) });
+      return;
+    }
     const auto index = index_;
     index_ = indexOfChild(index_, octant);
     path_.descend(octant, node);
@@ -308,28 +330,6 @@ private:
       child.max[a] = upper ? box.max[a] : middle[a];
     }
     return child;
-  }
-
-  /// The children, those with the largest places first.
-  std::array<std::uint8_t, 8> fromTheMost(
-    const Octree::Children& children, const Range& range, const std::array<Range, 8>& ranges) const
-  {
-    std::array<std::uint8_t, 8> order;
-    std::array<Real, 8> most;
-    for (int octant = 0; octant < 8; ++octant)
-    {
-      const bool isInner = children.inner() >> octant & 1;
-      const Real own = blends_.mostOf(isInner ? ranges[octant] : range);
-      int at = octant;
-      for (; at > 0 && most[at - 1] < own; --at)
-      {
-        most[at] = most[at - 1];
-        order[at] = order[at - 1];
-      }
-      most[at] = own;
-      order[at] = static_cast<std::uint8_t>(octant);
-    }
-    return order;
   }
 
   /// Gradients and colours; false when nothing is visible by them.
