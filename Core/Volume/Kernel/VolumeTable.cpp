@@ -133,17 +133,19 @@ VolumeTable::VolumeTable(const Field& field, const TransferFunction& transferFun
     fits(field, transferFunction, perEntry) && !hasNarrowPeaks(field, transferFunction, diagonal_);
   const std::size_t size = (transferFunction.entries().size() - 1) * static_cast<std::size_t>(perEntry) + 1;
   last = static_cast<float>(size - 1);
+  std::vector<TransferFunction::Entry> tabulated(size);
   entries.resize(size);
   for (std::size_t i = 0; i < size; ++i)
   {
-    entries[i] = inTable(transferFunction.atPosition(static_cast<double>(i) / perEntry));
+    tabulated[i] = transferFunction.atPosition(static_cast<double>(i) / perEntry);
+    entries[i] = inTable(tabulated[i]);
   }
   if (transferFunction.hasCategories())
   {
     return;
   }
-  const std::vector<EmissionTerms> terms = this->terms(transferFunction);
-  findRoughGaps(transferFunction);
+  const std::vector<EmissionTerms> terms = termsOf(tabulated);
+  findRoughGaps(transferFunction, tabulated);
   variation.assign(size, 0.);
   curvature.assign(size, 0.);
   for (std::size_t i = 1; i < size; ++i)
@@ -179,7 +181,8 @@ void VolumeTable::integrate(const TransferFunction& transferFunction)
   }
 }
 
-void VolumeTable::findRoughGaps(const TransferFunction& transferFunction)
+void VolumeTable::findRoughGaps(
+  const TransferFunction& transferFunction, const std::vector<TransferFunction::Entry>& tabulated)
 {
   // Of a channel, and of extinctions: a part, but where depth across the domain hardly depends on it.
   constexpr float channel = 1.f / 512.f;
@@ -192,20 +195,18 @@ void VolumeTable::findRoughGaps(const TransferFunction& transferFunction)
       ((change > part * extinction && change * diagonal_ > depth) ||
         std::max({ std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b) }) > channel);
   };
-  const auto at = [&](
-                    std::size_t i) { return transferFunction.atPosition(static_cast<double>(i) / perEntry); };
   std::vector<bool> isRough(entries.size(), false);
   for (std::size_t i = 0; i + 1 < entries.size(); ++i)
   {
-    const TransferFunction::Entry a = at(i);
-    const TransferFunction::Entry b = at(i + 1);
+    const TransferFunction::Entry& a = tabulated[i];
+    const TransferFunction::Entry& b = tabulated[i + 1];
     const TransferFunction::Entry middle = TransferFunction::between(a, b, 0.5f);
     isRough[i] = differs(a, middle) || differs(middle, b);
   }
   for (const TransferFunction::Node& node : transferFunction.nodes())
   {
     const double position = transferFunction.position(node.value);
-    const TransferFunction::Entry nearest = at(static_cast<std::size_t>(position + 0.5));
+    const TransferFunction::Entry& nearest = tabulated[static_cast<std::size_t>(position + 0.5)];
     if (differs(nearest, node.below) || differs(nearest, node.above))
     {
       const auto gap = static_cast<std::size_t>(position);
@@ -221,13 +222,12 @@ void VolumeTable::findRoughGaps(const TransferFunction& transferFunction)
   }
 }
 
-std::vector<EmissionTerms> VolumeTable::terms(const TransferFunction& transferFunction) const
+std::vector<EmissionTerms> VolumeTable::termsOf(const std::vector<TransferFunction::Entry>& tabulated) const
 {
   std::vector<EmissionTerms> terms;
-  terms.reserve(entries.size());
-  for (std::size_t i = 0; i < entries.size(); ++i)
+  terms.reserve(tabulated.size());
+  for (const TransferFunction::Entry& e : tabulated)
   {
-    const TransferFunction::Entry e = transferFunction.atPosition(static_cast<double>(i) / perEntry);
     const double extinction = std::min(e.extinction * diagonal_, mostExtinction_);
     terms.push_back({ extinction * e.r, extinction * e.g, extinction * e.b, extinction });
   }

@@ -60,9 +60,11 @@ public:
 private:
   /// With the extinction as entries have it.
   TransferFunction::Entry inTable(TransferFunction::Entry entry) const noexcept;
-  /// Extinction times colour and extinction of all entries.
-  std::vector<EmissionTerms> terms(const TransferFunction& transferFunction) const;
-  void findRoughGaps(const TransferFunction& transferFunction);
+  // tabulated: the function's values at all entries.
+  /// Extinction times colour and extinction.
+  std::vector<EmissionTerms> termsOf(const std::vector<TransferFunction::Entry>& tabulated) const;
+  void findRoughGaps(
+    const TransferFunction& transferFunction, const std::vector<TransferFunction::Entry>& tabulated);
 
   int worldMagnitude_;
   double diagonal_;
