@@ -26,8 +26,9 @@ SESSION_FOLDER = FOLDER / "session"
 PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "completed.png", "rendered.png",
             "dragged.png"]
 BLEND_MODES = ["maximum.png", "minimum.png", "average.png", "additive.png", "isosurface.png", "slice.png"]
-SESSION = ["surface.png", "volume.png", "viridis.png", "shaded.png", *BLEND_MODES, "composite.png", "cropped.png",
-           "undone.png", "undone-again.png", "redone.png", "empty.png", "loaded.png"]
+SESSION = ["surface.png", "volume.png", "viridis.png", "shaded.png", "shadows.png", *BLEND_MODES, "composite.png", "cropped.png",
+           "undone.png", "undone-again.png", "redone.png", "empty.png", "loaded.png",
+           "clipped.png", "clipped-isosurface.png"]
 TELL_DISTANCE = f"""
 from paraview.simple import *
 import treeamr.vtkTreeAMRRendering
@@ -225,8 +226,8 @@ class TestSession(unittest.TestCase):
         self.assertEqual([], [message for message in messages if not re.search(own, message)])
 
     def test_each_choice_is_seen(self):
-        """The representation, the preset, light."""
-        for before, after in itertools.pairwise(SESSION[:4]):
+        """The representation, the preset, light, shadows."""
+        for before, after in itertools.pairwise(SESSION[:5]):
             self.assertGreater(differ(self.views[before], self.views[after]), 0.2, after)
 
     def test_each_blend_mode_is_its_own(self):
@@ -239,6 +240,14 @@ class TestSession(unittest.TestCase):
         background = left_and_right("empty.png")
         self.assertGreater(differ(kept, background[0]), 0.3)
         self.assertLess(differ(cut, background[1]), 0.05)
+
+    def test_clip_leaves_one_half(self):
+        """Whole cells, a few of which reach across."""
+        background = left_and_right("empty.png")
+        for name in ("clipped.png", "clipped-isosurface.png"):
+            cut, kept = left_and_right(name)
+            self.assertGreater(differ(kept, background[1]), 0.2, name)
+            self.assertLess(differ(cut, background[0]), 0.2, name)
 
     def test_undo_redo_and_state_give_the_same_pictures(self):
         for name in ("undone.png", "undone-again.png"):
