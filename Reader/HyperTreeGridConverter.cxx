@@ -252,7 +252,7 @@ private:
   {
     if (!topology.hasCells())
     {
-      throw Error("hyper tree grid: all cells are masked or hidden");
+      throw NoCells("hyper tree grid: all cells are masked or hidden");
     }
   }
 

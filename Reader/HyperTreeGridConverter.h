@@ -33,6 +33,13 @@ struct ArraySelection
   int component = -1; // from 0 on
 };
 
+/// All cells are masked or hidden, as of a filter that keeps none: there is nothing to draw, and nothing wrong.
+class VTKTREEAMRREADER_EXPORT NoCells : public Error
+{
+public:
+  using Error::Error;
+};
+
 /// No cell has a value of an array that a float can hold.
 class VTKTREEAMRREADER_EXPORT NoFiniteValue : public Error
 {
@@ -53,7 +60,7 @@ public:
 /// values once to recognise them (a few ms per million cells): keep the result while the MTime of grid and arrays
 /// stays. Safe from several threads while none changes the grid.
 ///
-/// Throws Error when the grid is null, has no tree or no drawable cell, is not three-dimensional, has a
+/// Throws Error when the grid is null, has no tree or no drawable cell (NoCells), is not three-dimensional, has a
 /// branch factor other than 2 or material interfaces, when its coordinates along an axis are not finite or
 /// neither strictly increase nor strictly decrease (a mirrored grid), when it is too deep for RootGrid, and when
 /// the array does not exist, is not numeric, is too short, has no such component or has doubles all below the

@@ -343,6 +343,10 @@ int vtkTreeAMRContourFilter::RequestData(
     }
     this->Warnings->endRound();
   }
+  catch (const treeamr::NoCells&)
+  {
+    output->Initialize();
+  }
   catch (const std::exception& e)
   {
     output->Initialize();

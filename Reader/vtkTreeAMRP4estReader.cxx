@@ -174,6 +174,25 @@ std::string Quoted(const std::vector<std::string>& names)
   return text;
 }
 
+// Of the arrays that GenerateLevel would add: which there are already, and stay what they are.
+std::string RemarkOnOwnArrays(
+  const std::vector<PayloadField>& fields, const std::vector<treeamr::QuadrantArray>& ofFiles)
+{
+  std::vector<std::string> names;
+  for (const char* name : { treeamr::levelArrayName, treeamr::treeIdArrayName })
+  {
+    if (std::ranges::find(fields, name, &PayloadField::name) != fields.end() ||
+      std::ranges::find(ofFiles, name, [](const treeamr::QuadrantArray& a) { return a.field.name; }) !=
+        ofFiles.end())
+    {
+      names.emplace_back(name);
+    }
+  }
+  return names.empty() ? ""
+                       : "GenerateLevel without effect on " + Quoted(names) +
+      ": the file's own of that name; rename it in Payload or QuadrantArrays to have both.";
+}
+
 } // namespace
 
 vtkTreeAMRP4estReader::vtkTreeAMRP4estReader()
@@ -390,12 +409,15 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid, int piece, int pieces)
   const vtkIdType nodes = builder.nodeCount();
 
   const treeamr::PayloadReading payload = input.readPayload(TextOf(this->Payload));
-  const std::string ofPlaces = RemarkOnPlaces(file, boxes);
-  this->Remark(file.path(),
-    ofPlaces + (ofPlaces.empty() || payload.remark.empty() ? "" : " ") +
-      Capitalised(payload.remark, !ofPlaces.empty()));
-
   const auto ofFiles = treeamr::parseQuadrantArrays(TextOf(this->QuadrantArrays));
+  std::string remarks;
+  for (const std::string& remark : { RemarkOnPlaces(file, boxes), payload.remark,
+         this->GenerateLevel ? RemarkOnOwnArrays(payload.fields, ofFiles) : std::string() })
+  {
+    remarks += (remarks.empty() || remark.empty() ? "" : " ") + Capitalised(remark, !remarks.empty());
+  }
+  this->Remark(file.path(), remarks);
+
   const std::vector<std::string> names = ArrayNames(payload.fields, ofFiles, this->GenerateLevel);
   this->WarnOfUnknownArrays(file.path(), names);
   bool withPayload = false;

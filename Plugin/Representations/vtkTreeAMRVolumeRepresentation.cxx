@@ -166,12 +166,14 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   const bool areAsked = this->MapsComponents || !this->MapsScalars;
   const bool areDependent = areAsked && (components == 2 || components == 4);
   this->Property->SetIndependentComponents(!areDependent);
-  const std::string inVain = areAsked && !areDependent && components > 1 ? this->Mapper->GetArrayName() : "";
+  // MultiComponentsMapping may stay on for the next array of several.
+  const bool isInVain = array && areAsked && !areDependent && (components > 1 || !this->MapsScalars);
+  const std::string inVain = isInVain ? this->Mapper->GetArrayName() : "";
   if (!inVain.empty() && inVain != this->MappedInVain)
   {
     vtkWarningMacro(<< (this->MapsScalars ? "MultiComponentsMapping on" : "MapScalars off")
                     << " is without effect on " << inVain << " of " << components
-                    << " components; needed are 2 (colour, opacity) or 4 (red, green, blue, opacity).");
+                    << (components == 1 ? " component" : " components") << "; needed are 2 (colour, opacity) or 4 (red, green, blue, opacity).");
   }
   this->MappedInVain = inVain;
   this->Mapper->SetOpacityArrayName(

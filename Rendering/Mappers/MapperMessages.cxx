@@ -1,5 +1,6 @@
 #include "MapperMessages.h"
 
+#include "HyperTreeGridConverter.h"
 #include "MapperInput.h"
 
 #include "vtkObject.h"
@@ -11,6 +12,10 @@ namespace treeamr
 
 void MapperMessages::error(const std::exception& error)
 {
+  if (dynamic_cast<const NoCells*>(&error))
+  {
+    return;
+  }
   const char* const message = describe(error);
   if (errors_.isNews(message))
   {

@@ -21,7 +21,7 @@ public:
     : speaker_(speaker)
   {
   }
-  /// Of whatever ended a frame.
+  /// Of whatever ended a frame; nothing where there is nothing to draw.
   void error(const std::exception& error);
   /// Nothing when there is no text.
   void warning(const Remark& remark);

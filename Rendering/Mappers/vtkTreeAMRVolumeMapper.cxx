@@ -474,7 +474,7 @@ std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtk
   }
   if (!this->OpacityArrayName.empty())
   {
-    return this->SelectComponent(this->OpacityArrayName, this->OpacityComponent);
+    return this->SelectComponent("OpacityComponent", this->OpacityArrayName, this->OpacityComponent);
   }
   if (this->GetComponents(volume) == Components::Pair)
   {
@@ -484,13 +484,21 @@ std::optional<treeamr::ArraySelection> vtkTreeAMRVolumeMapper::SelectOpacity(vtk
 }
 
 //------------------------------------------------------------------------------
-treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectComponent(const std::string& name, int component)
+treeamr::ArraySelection vtkTreeAMRVolumeMapper::SelectComponent(
+  const std::string& setting, const std::string& name, int component)
 {
   // As VTK and ParaView's list of components have it, one beyond the last is the magnitude.
   vtkHyperTreeGrid* grid = this->GetHyperTreeGrid();
   vtkDataArray* array = grid ? grid->GetCellData()->GetArray(name.c_str()) : nullptr;
-  const bool isBeyond = array && component >= array->GetNumberOfComponents();
-  return { name, isBeyond ? -1 : component };
+  const int count = array ? array->GetNumberOfComponents() : 0;
+  if (array && (component < -1 || component > count))
+  {
+    this->Private->Messages.warning({ setting,
+      setting + " " + std::to_string(component) + " of '" + name + "', allowed are 0 to " +
+        std::to_string(count - 1) + ", and -1 or " + std::to_string(count) +
+        " for the magnitude, which is taken" });
+  }
+  return { name, array && component >= count ? -1 : component };
 }
 
 //------------------------------------------------------------------------------
@@ -614,7 +622,8 @@ std::shared_ptr<const treeamr::Field> vtkTreeAMRVolumeMapper::AcquireTableField(
     return nullptr;
   }
   const treeamr::ArraySelection selection =
-    this->SelectComponent(this->Transfer2DYAxisArray, this->Transfer2DYAxisComponent);
+    this->SelectComponent(
+      "Transfer2DYAxisComponent", this->Transfer2DYAxisArray, this->Transfer2DYAxisComponent);
   std::shared_ptr<const treeamr::Field> second = slot.acquire(this->GetHyperTreeGrid(), selection);
   this->Private->Messages.warning(slot.remark());
   checkSameCells(own, field, selection, *second);

@@ -129,7 +129,8 @@ public:
   const char* GetOpacityArrayName() const { return this->OpacityArrayName.c_str(); }
   ///@}
   ///@{
-  /// Of the array for opacity; -1 (default), and any beyond the last, is for the magnitude where there are several.
+  /// Of the array for opacity; -1 (default), and one beyond the last, is for the magnitude where there are several. Others
+  /// are taken for it with a warning.
   vtkSetMacro(OpacityComponent, int);
   vtkGetMacro(OpacityComponent, int);
   ///@}
@@ -143,7 +144,7 @@ public:
   const char* GetTransfer2DYAxisArray() const { return this->Transfer2DYAxisArray.c_str(); }
   ///@}
   ///@{
-  /// Of that array; -1, and any beyond the last, is for the magnitude where there are several. Default 0, as VTK has it.
+  /// Of that array, as OpacityComponent. Default 0, as VTK has it.
   vtkSetMacro(Transfer2DYAxisComponent, int);
   vtkGetMacro(Transfer2DYAxisComponent, int);
   ///@}
@@ -450,7 +451,8 @@ private:
   void SetFunctions(vtkVolumeProperty* property, std::size_t keptBytes);
   void SetTable(vtkVolumeProperty* property, std::size_t keptBytes);
   ///@}
-  treeamr::ArraySelection SelectComponent(const std::string& name, int component);
+  treeamr::ArraySelection SelectComponent(
+    const std::string& setting, const std::string& name, int component);
   /// Of what makes the volume opaque, when that is not the array itself.
   std::optional<treeamr::ArraySelection> SelectOpacity(vtkVolume* volume);
   void UpdateField(vtkVolume* volume);

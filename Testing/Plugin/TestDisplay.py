@@ -62,6 +62,21 @@ class TestDisplay(scene.TestCase):
                             self.assertLess(abs(distance / width - 3.3461), 0.005)
                             self.assertGreater(scene.drawn(self.picture("bounds")).mean(), 0.1)
 
+    def test_a_threshold_that_keeps_nothing_is_drawn_as_nothing(self):
+        """Without a message."""
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        threshold = simple.Threshold(
+            Input=source, Scalars=["CELLS", "xyz"], LowerThreshold=1, UpperThreshold=1e6)
+        self.show(threshold)
+        for kind in KINDS:
+            with self.subTest(kind=kind):
+                self.representation.SetRepresentationType(kind)
+                simple.ResetCamera(self.view)
+                threshold.LowerThreshold = 1e5
+                self.assertFalse(scene.drawn(self.picture("nothing")).any())
+                threshold.LowerThreshold = 1
+                self.assertTrue(scene.drawn(self.picture("something")).any())
+
     def test_volume_chooses_an_array(self):
         """As ParaView's own type Volume does. The grid has no active scalars: Show leaves it uncoloured."""
         self.show(simple.HyperTreeGridRandom())

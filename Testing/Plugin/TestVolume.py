@@ -217,6 +217,11 @@ grid.GetCellData().AddArray(array)
                 simple.Render(self.view)
                 self.assertEqual(1, len(warnings))
                 warnings.clear()
+        self.representation.MapScalars = 0
+        simple.Render(self.view)
+        simple.ColorBy(self.representation, ("CELLS", "xyz"))
+        simple.Render(self.view)
+        self.assertEqual(2, len(warnings))
 
     def test_cropping(self):
         """As ParaView's Volume has it: the data's bounds, here 0 to 4, scaled and then moved."""

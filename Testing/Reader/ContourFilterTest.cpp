@@ -237,15 +237,20 @@ TEST(ContourFilter, TakesTheActiveScalarsAndAddsNothingUnasked)
   EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
 }
 
-TEST(ContourFilter, IsSilentWithoutTrees)
+TEST(ContourFilter, IsSilentWithoutTreesOrCells)
 {
-  vtkNew<vtkTreeAMRContourFilter> filter;
-  filter->SetInputData(makeGrid({ .missingTrees = 1. }));
-  filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
-  const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
-  filter->Update();
-  EXPECT_TRUE(errors.messages().empty());
-  EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
+  const auto masked = makeGrid({});
+  addRandomMask(masked, 1., 1);
+  for (const auto& grid : { makeGrid({ .missingTrees = 1. }), masked })
+  {
+    vtkNew<vtkTreeAMRContourFilter> filter;
+    filter->SetInputData(grid);
+    filter->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_CELLS, "scalar");
+    const MessageCatcher errors(filter, vtkCommand::ErrorEvent);
+    filter->Update();
+    EXPECT_TRUE(errors.messages().empty());
+    EXPECT_EQ(filter->GetOutput()->GetNumberOfPoints(), 0);
+  }
 }
 
 TEST(ContourFilter, ReportsProgressAndAborts)

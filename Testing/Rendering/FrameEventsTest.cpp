@@ -181,9 +181,12 @@ TEST_F(FrameEventsTest, framesWithinFramesAreRefused)
   other.renderer->AddVolume(volume);
   other.setCamera();
   const MessageCounter messages(mapper);
-  const Observer progress(mapper, progressOfVolumes, [&](void*) { other.render(); });
+  Picture nested;
+  const Observer progress(mapper, progressOfVolumes, [&](void*) { nested = other.render(); });
   EXPECT_EQ(scene.render(), expected);
   EXPECT_EQ(messages.warnings.size(), 1u);
+  other.renderer->RemoveVolume(volume);
+  EXPECT_EQ(nested, other.render()) << "nothing is drawn within";
 }
 
 TEST_F(FrameEventsTest, aVolumeIsStopped)

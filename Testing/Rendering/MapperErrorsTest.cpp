@@ -2,6 +2,7 @@
 #include "CornerArrays.h"
 #include "RenderingScene.h"
 
+#include "vtkBitArray.h"
 #include "vtkCamera.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
@@ -129,6 +130,34 @@ TEST_F(MapperErrorsTest, emptyGrid)
   expectDirectError(
     surfaceMapper_, { "no tree" }, [&] { surfaceMapper_->SetInputData(emptyGrid()); },
     [&] { surfaceMapper_->Render(scene_.renderer, surface_); });
+}
+
+// As VTK's filters leave what keeps no cell.
+TEST_F(MapperErrorsTest, masksOfAllCellsLeaveNothingToDrawOrSay)
+{
+  vtkNew<vtkBitArray> mask;
+  mask->SetNumberOfValues(grid_->GetNumberOfCells());
+  for (vtkIdType i = 0; i < mask->GetNumberOfValues(); ++i)
+  {
+    mask->SetValue(i, 1);
+  }
+  vtkNew<vtkHyperTreeGrid> masked;
+  masked->ShallowCopy(grid_);
+  masked->SetMask(mask);
+  const MessageCounter ofVolume(volumeMapper_);
+  const MessageCounter ofSurface(surfaceMapper_);
+  volume_->VisibilityOn();
+  surface_->VisibilityOn();
+  const auto both = scene_.render();
+  EXPECT_NE(both, withoutProp_);
+  volumeMapper_->SetInputData(masked);
+  surfaceMapper_->SetInputData(masked);
+  EXPECT_EQ(scene_.render(), withoutProp_);
+  volumeMapper_->SetInputData(grid_.Get());
+  surfaceMapper_->SetInputData(grid_.Get());
+  EXPECT_EQ(scene_.render(), both);
+  EXPECT_TRUE(ofVolume.errors.empty());
+  EXPECT_TRUE(ofSurface.errors.empty());
 }
 
 TEST_F(MapperErrorsTest, noInput)

@@ -202,6 +202,50 @@ TEST_F(VolumeArraysTest, anOpacityArrayIsTheSecondOfAPair)
   EXPECT_EQ(pair.scene.render(), plain);
 }
 
+TEST_F(VolumeArraysTest, componentsThatThereAreNotAreSaid)
+{
+  VolumePair pair;
+  pair.showOurs();
+  pair.mapper()->SelectScalarArray("other");
+  pair.mapper()->SetOpacityArrayName("wave");
+  const auto magnitude = pair.scene.render();
+  for (const int component : { 9, -2 })
+  {
+    const MessageCounter messages(pair.mapper());
+    pair.mapper()->SetOpacityComponent(component);
+    EXPECT_EQ(pair.scene.render(), magnitude);
+    pair.scene.render();
+    ASSERT_EQ(messages.warnings.size(), 1u) << component;
+    EXPECT_NE(messages.warnings[0].find("OpacityComponent " + std::to_string(component) + " of 'wave'"),
+      std::string::npos)
+      << messages.warnings[0];
+    pair.mapper()->SetOpacityComponent(1);
+    EXPECT_EQ(pair.scene.render(), magnitude);
+    EXPECT_EQ(messages.warnings.size(), 1u);
+  }
+}
+
+TEST_F(VolumeArraysTest, threeComponentsAreDependentOfNone)
+{
+  VolumePair pair;
+  pair.useComponents("components", 3);
+  pair.showOurs();
+  const auto magnitude = pair.scene.render();
+  const auto expectSaid = [&](const std::string& text) {
+    const MessageCounter messages(pair.mapper());
+    EXPECT_EQ(pair.scene.render(), magnitude) << text;
+    ASSERT_EQ(messages.warnings.size(), 1u) << text;
+    EXPECT_NE(messages.warnings[0].find(text), std::string::npos) << messages.warnings[0];
+  };
+  pair.property()->IndependentComponentsOff();
+  expectSaid("IndependentComponents off: without effect");
+  pair.property()->IndependentComponentsOn();
+  vtkNew<vtkColorTransferFunction> colors;
+  colors->AddRGBPoint(0., 1., 0., 0.);
+  pair.property()->SetColor(1, colors);
+  expectSaid("SetColor(1, ...): without effect, needed are VectorMode DISABLED");
+}
+
 TEST_F(VolumeArraysTest, newFunctionsAndArraysAreDrawn)
 {
   VolumePair pair;

@@ -179,6 +179,12 @@ TEST_F(VtkNamesTest, multiVolumesAreRefusedOnce)
   }
   EXPECT_LE(messages.errors.size(), 1u);
   EXPECT_GE(messages.errors.size() + ofVTK.errors.size(), 1u);
+  for (int i = 0; i < 2; ++i) // whether VTK has asked the mapper or not
+  {
+    Scene::mapperOf(volume)->Render(scene.renderer, several);
+  }
+  ASSERT_EQ(messages.errors.size(), 1u);
+  EXPECT_NE(messages.errors[0].find("vtkMultiVolume"), std::string::npos) << messages.errors[0];
 }
 
 } // namespace
