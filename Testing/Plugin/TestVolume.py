@@ -27,6 +27,15 @@ class TestVolume(scene.TestCase):
         scene.set_opacity(self.representation.ScalarOpacityFunction, 0, 64, opacity)
         scene.look(self.view)
 
+    def warnings_of_the_mapper(self):
+        """Those to come."""
+        volumes = self.view.GetRenderer().GetVolumes()
+        volumes = [volumes.GetItemAsObject(i) for i in range(volumes.GetNumberOfItems())]
+        warnings = []
+        next(v for v in volumes if v.GetVisibility()).GetMapper().AddObserver(
+            "WarningEvent", lambda *_: warnings.append(1))
+        return warnings
+
     def look_along_z(self):
         """In parallel projection, 6 units high."""
         simple.ResetCamera(self.view)
@@ -91,9 +100,11 @@ output.GetCellData().AddArray(array)
         self.assertLess(numpy.abs(centre[..., 0] - 255 * (1 - 0.5 ** 4)).max(), 1.5)
         self.assertEqual(0, centre[..., 1:].max())
         self.assertFalse(scene.close((two, one)))
-        # What was chosen for another array: the magnitude, as ParaView's Volume has it.
+        # What was chosen for another array: the magnitude, as ParaView's Volume has it, which is said.
+        warnings = self.warnings_of_the_mapper()
         self.representation.OpacityComponent = 3
         self.assertTrue(scene.close((self.picture("two-arrays-magnitude"), two)))
+        self.assertEqual(1, len(warnings))
         # The colour is the other's.
         scene.set_colour(self.representation.LookupTable, 0, 64, (0, 1, 0))
         self.assertTrue(scene.close((self.picture("two-arrays-green")[..., 1], two[..., 0])))
@@ -148,9 +159,11 @@ grid.GetCellData().AddArray(x)
         self.assertGreater(columns[:middle].max(), 100)
         self.assertEqual(0, half[..., :2].max())
         self.assertEqual(0, columns[middle:].max())
-        # What was chosen for another array: the magnitude, as of opacities.
+        # What was chosen for another array: the magnitude, as of opacities, which is said.
+        warnings = self.warnings_of_the_mapper()
         self.representation.ColorArray2Component = 3
         self.assertTrue(scene.close((self.picture("by-x-magnitude"), half)))
+        self.assertEqual(1, len(warnings))
         self.representation.UseTransfer2D = 0
         self.assertTrue(scene.close((self.picture("one-value-again"), one)))
 

@@ -374,7 +374,7 @@ TEST_F(IsosurfaceLightingTest, modelTransformOfTheCameraAndUserTransformOfLights
       model->Scale(1.1, 0.8, 0.9);
       scene.renderer->GetActiveCamera()->SetModelTransformMatrix(model->GetMatrix());
       vtkNew<vtkTransform> ofLights;
-      ofLights->RotateX(20.);
+      ofLights->RotateX(70.);
       vtkOpenGLRenderer::SafeDownCast(scene.renderer)->SetUserLightTransform(ofLights);
       if (!headlightAlone)
       {
