@@ -414,7 +414,9 @@ void vtkTreeAMRP4estReader::Read(vtkHyperTreeGrid* grid, int piece, int pieces)
   for (const std::string& remark : { RemarkOnPlaces(file, boxes), payload.remark,
          this->GenerateLevel ? RemarkOnOwnArrays(payload.fields, ofFiles) : std::string() })
   {
-    remarks += (remarks.empty() || remark.empty() ? "" : " ") + Capitalised(remark, !remarks.empty());
+    const bool isNext = !remarks.empty();
+    remarks += isNext && !remark.empty() ? " " : "";
+    remarks += Capitalised(remark, isNext);
   }
   this->Remark(file.path(), remarks);
 
