@@ -6,6 +6,7 @@
 #include "Progress.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/ShadowLattice.h"
+#include "Volume/TileRelay.h"
 #include "Volume/VolumeChecks.h"
 
 #include <oneapi/tbb/blocked_range.h>
@@ -28,6 +29,13 @@ namespace
 
 constexpr const char* colorsOfCategories =
   "volume: categories, and colours by another field: allowed is one of both";
+
+static_assert(TileRun::tileWidth == volumeTileWidth);
+
+VolumeStatistics sum(VolumeStatistics a, const VolumeStatistics& b) noexcept
+{
+  return a += b;
+}
 
 } // namespace
 
@@ -416,8 +424,42 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
       renderRow(row, tiles.cols().begin(), tiles.cols().end());
     }
   });
-  const VolumeStatistics all =
-    statistics.combine([](VolumeStatistics a, const VolumeStatistics& b) { return a += b; });
+  const VolumeStatistics all = statistics.combine(sum);
+  endFrame(scene, all);
+  return all;
+}
+
+VolumeStatistics Volume::render(
+  const RayView& view, const VolumeSettings& settings, Image& image, TileRelay& relay)
+{
+  checkVolume(view.camera, image);
+  if (blendsValues(settings.blend))
+  {
+    throw Error("volume: a blend of values that goes on from other boxes' pixels, which are of colours");
+  }
+  VolumeKernelScene scene = makeScene(view, settings, &image);
+  scene.goesOn = true;
+  const VolumeLoops loops = volumeLoops(scene.features);
+  tbb::combinable<VolumeStatistics> statistics;
+  if (view.progress)
+  {
+    const auto tiles = [](int pixels) { return (pixels + volumeTileWidth - 1) / volumeTileWidth; };
+    view.progress->begin(static_cast<std::size_t>(tiles(image.width)) * tiles(image.height));
+  }
+  relayTiles(relay, [&](const TileRun& run) {
+    statistics.local() += loops.renderTiles(scene, run.row, run.columnBegin, run.columnEnd);
+    if (view.progress)
+    {
+      view.progress->step(run.columnEnd - run.columnBegin);
+    }
+  });
+  const VolumeStatistics all = statistics.combine(sum);
+  endFrame(scene, all);
+  return all;
+}
+
+void Volume::endFrame(const VolumeKernelScene& scene, const VolumeStatistics& all)
+{
   kept_->endFrame(all.kept, all.blocks);
   if (keptGradients_)
   {
@@ -434,7 +476,6 @@ VolumeStatistics Volume::render(const RayView& view, const VolumeSettings& setti
       mixture_->parts[i].gradients->endFrame(all.keptGradients, all.gradients);
     }
   }
-  return all;
 }
 
 void Volume::renderGroups(const RayView& view, const VolumeSettings& settings,

@@ -21,6 +21,7 @@ namespace treeamr
 class BlockCache;
 class GradientCache;
 class ShadowLattice;
+class TileRelay;
 class VolumeTable;
 struct VolumeKernelScene;
 
@@ -103,6 +104,12 @@ public:
   /// Interrupted when the view's progress is ended: then the image has some of its pixels.
   VolumeStatistics render(const RayView& view, const VolumeSettings& settings, Image& image);
 
+  /// The same of an image that other boxes of the domain have a part in: rays go on from what it has of them, with the
+  /// light that is left, in each tile once the relay has collected it. Throws Error as render() and for blends of values:
+  /// before it has collected anything, or when all is finished.
+  VolumeStatistics render(
+    const RayView& view, const VolumeSettings& settings, Image& image, TileRelay& relay);
+
   /// The pixels of these groups as render() gives them, to the bit. rgba: rgbaSize floats for each group, row by
   /// row from the lower left as in Image; pixels beyond the image are 0. Neighbours in the list that are neighbours in
   /// the image, too, cost less. Throws Error as render(), and for a group outside the image.
@@ -124,6 +131,7 @@ private:
   void mix(Mixture mixture);
   VolumeKernelScene makeScene(const RayView& view, const VolumeSettings& settings, Image* image);
   void scatter(const VolumeSettings& settings, VolumeKernelScene& scene);
+  void endFrame(const VolumeKernelScene& scene, const VolumeStatistics& all);
 
   std::shared_ptr<const Field> field_;
   TransferFunction transferFunction_;

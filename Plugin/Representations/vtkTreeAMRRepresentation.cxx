@@ -347,8 +347,10 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   {
     vtkAlgorithmOutput* producer = vtkPVRenderView::GetPieceProducer(inInfo, this);
     this->UpdateMapper(producer);
+    const bool draws = this->GetVisibility() && hasTrees(producer);
     if (isOneOfSeveral)
     {
+      this->FindPeers(controller, draws);
       this->AgreeOnDrafts(vtkPVRenderView::SafeDownCast(this->GetView())->GetRenderer(),
         [controller](std::array<double, 3>& numbers) {
           const std::array<double, 3> own = numbers;
@@ -358,8 +360,7 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
     this->Drafts->StartFrame(vtkPVRenderView::SafeDownCast(this->GetView()), this->GetDraftedIsovalues());
     this->GetProp()->UseBoundsOn();
     // The mappers report a grid without trees as an error, but many ranks may have nothing to draw.
-    this->GetProp()->SetVisibility(
-      this->GetVisibility() && (hasTrees(producer) || this->IsExportedWithoutTrees()));
+    this->GetProp()->SetVisibility(draws || (this->GetVisibility() && this->IsExportedWithoutTrees()));
   }
   return 1;
 }

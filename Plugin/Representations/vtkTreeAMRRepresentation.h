@@ -28,6 +28,7 @@ class SweepDrafts;
 class vtkAlgorithm;
 class vtkAlgorithmOutput;
 class vtkHyperTreeGrid;
+class vtkMultiProcessController;
 class vtkProp3D;
 class vtkRenderer;
 
@@ -90,6 +91,8 @@ protected:
   using Largest = std::function<void(std::array<double, 3>&)>;
   /// Before each render, on every rank of several: the mapper's.
   virtual void AgreeOnDrafts(vtkRenderer* renderer, const Largest& largest) = 0;
+  /// As often: who draws with this rank, which has something to draw or nothing.
+  virtual void FindPeers(vtkMultiProcessController*, bool /*draws*/) {}
 
   /// For ParaView's status bar: tells the progress of the mapper's still frames as its own.
   void FollowProgress(vtkAlgorithm* mapper);

@@ -1,5 +1,7 @@
 #include "vtkTreeAMRVolumeRepresentation.h"
 
+#include "RankPeers.h"
+
 #include "vtkAlgorithmOutput.h"
 #include "vtkCellData.h"
 #include "vtkColorTransferFunction.h"
@@ -14,6 +16,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPVTransferFunction2D.h"
 #include "vtkPiecewiseFunction.h"
+#include "vtkRemotingCoreConfiguration.h"
 #include "vtkTable.h"
 #include "vtkTreeAMRVolumeMapper.h"
 #include "vtkVariant.h"
@@ -112,6 +115,22 @@ void vtkTreeAMRVolumeRepresentation::UpdateFromAllRanks()
   this->DefaultScalarOpacity->RemoveAllPoints();
   this->DefaultScalarOpacity->AddPoint(low, 0.);
   this->DefaultScalarOpacity->AddPoint(high, 1.);
+}
+
+//------------------------------------------------------------------------------
+void vtkTreeAMRVolumeRepresentation::FindPeers(vtkMultiProcessController* controller, bool draws)
+{
+  const vtkRemotingCoreConfiguration* const displays = vtkRemotingCoreConfiguration::GetInstance();
+  if (!this->Peers)
+  {
+    this->Peers = RankPeers::make(controller);
+  }
+  if (this->Peers)
+  {
+    this->Peers->agreeOnDrawing(draws);
+  }
+  // Of several windows each rank draws those alone that it has something in.
+  this->Mapper->SetPeers(displays->GetIsInTileDisplay() || displays->GetIsInCave() ? nullptr : this->Peers);
 }
 
 //------------------------------------------------------------------------------

@@ -14,6 +14,9 @@
 #include "vtkTreeAMRVolumeMapper.h" // for forwarding
 #include "vtkVolumeProperty.h"      // for forwarding
 
+#include <memory> // for Peers
+
+class RankPeers;
 class vtkColorTransferFunction;
 class vtkImplicitFunction;
 class vtkPVTransferFunction2D;
@@ -150,6 +153,7 @@ protected:
     this->Mapper->AgreeOnTransfer2DRange(this->Volume, largest);
     this->Mapper->AgreeOnDrafts(renderer, this->Volume, largest);
   }
+  void FindPeers(vtkMultiProcessController* controller, bool draws) override;
 
 private:
   vtkTreeAMRVolumeRepresentation(const vtkTreeAMRVolumeRepresentation&) = delete;
@@ -160,6 +164,7 @@ private:
   std::string TakeCellArray(const char* property, int association, const char* name);
   double GetStatistic(const char* name);
 
+  std::shared_ptr<RankPeers> Peers; // null: there are none
   double UnitDistance = 1.;
   bool UsesOpacityArray = false;
   bool UsesTransfer2D = false;

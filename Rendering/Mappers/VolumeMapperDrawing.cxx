@@ -61,6 +61,12 @@ void vtkTreeAMRVolumeMapper::AgreeOnDrafts(
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRVolumeMapper::SetPeers(std::shared_ptr<treeamr::BoxPeers> peers)
+{
+  this->Private->Peers = std::move(peers);
+}
+
+//------------------------------------------------------------------------------
 double vtkTreeAMRVolumeMapper::GetFrameSamplesPerCell(vtkVolume* volume)
 {
   const auto& field = this->Private->Field;
@@ -111,7 +117,8 @@ void vtkTreeAMRVolumeMapper::StartFrame(const Picture& picture)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRVolumeMapper::CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image)
+void vtkTreeAMRVolumeMapper::CastRays(
+  const treeamr::RayView& view, bool isPart, treeamr::BoxRelay* relay, treeamr::Image& image)
 {
   Internals& internals = *this->Private;
   treeamr::VolumeFrame& frame = internals.CurrentFrame;
@@ -121,7 +128,8 @@ void vtkTreeAMRVolumeMapper::CastRays(const treeamr::RayView& view, bool isPart,
   settings.levelOfDetailPixels = frame.LevelOfDetail;
   const auto render = [&] {
     const treeamr::Stopwatch stopwatch(frame.RayCastingSeconds);
-    frame.Counts += internals.Volume->render(view, settings, image);
+    frame.Counts += relay ? internals.Volume->render(view, settings, image, *relay)
+                          : internals.Volume->render(view, settings, image);
   };
   render();
   if (frame.SquaredError < 0.)
@@ -271,14 +279,24 @@ void vtkTreeAMRVolumeMapper::Composite(
         stops.hits = { hits->first, hits->hits };
       }
     }
+    // Estimates of errors are of whole rays.
+    const bool canRelay = picture.Relay && picture.IsWhole && part.isWhole() &&
+      image.width == picture.Viewport.Width && image.height == picture.Viewport.Height &&
+      internals.CurrentFrame.SquaredError < 0.;
+    treeamr::BoxRelay* const relay = canRelay ? picture.Relay->begin(camera, stops.endDepth, image) : nullptr;
     try
     {
-      this->CastRays({ camera, stops, picture.Progress }, picture.IsPeeling && !picture.IsWhole, image);
+      this->CastRays({ camera, stops, picture.Progress }, picture.IsPeeling && !picture.IsWhole, relay, image);
       return;
     }
     catch (const std::exception& error)
     {
       this->Private->Messages.error(error);
+    }
+    if (relay)
+    {
+      picture.Relay->finishWithout();
+      return;
     }
   }
   // A volume that fails does not take the actors' surfaces with it.
@@ -405,7 +423,7 @@ void vtkTreeAMRVolumeMapper::DrawOver(const Pictures& pictures)
 
 //------------------------------------------------------------------------------
 bool vtkTreeAMRVolumeMapper::RenderVolume(
-  vtkRenderer* renderer, vtkVolume* volume, treeamr::Progress* progress)
+  vtkRenderer* renderer, vtkVolume* volume, treeamr::VolumeRelay& relay, treeamr::Progress* progress)
 {
   if (vtkMultiVolume::SafeDownCast(volume))
   {
@@ -449,7 +467,7 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
     cut.cropping = treeamr::convertCropping(mapper);
     std::unique_ptr<Picture> picture(new Picture{ renderer, shown, vtkTreeAMRTarget::GetViewport(renderer),
       isWhole, isPeeling, mapper->PrepareVolume(renderer, shown), std::move(cut),
-      { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, {} });
+      { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, &relay, {} });
     if (picture->HasVolume || !picture->Actors.isEmpty())
     {
       pictures.Volumes.push_back(std::move(picture));
@@ -486,7 +504,12 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
     renderer, this, this->ReportProgress, vtkCommand::VolumeMapperRenderProgressEvent);
   try
   {
-    isRound = watch.canDraw() && this->RenderVolume(renderer, volume, watch.progress());
+    // Of a frame that is peeled the first stage draws everything, or processes do not draw as one.
+    const bool isFirst =
+      !vtkTreeAMRDepthPeeling::IsPeeling(volume) || vtkTreeAMRDepthPeeling::IsFirstStage(this, volume);
+    treeamr::VolumeRelay relay(
+      isFirst ? this->Private->Peers.get() : nullptr, this->GetHyperTreeGrid(), renderer, volume);
+    isRound = watch.canDraw() && this->RenderVolume(renderer, volume, relay, watch.progress());
   }
   catch (const treeamr::Interrupted&)
   {

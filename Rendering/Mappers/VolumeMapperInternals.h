@@ -6,6 +6,7 @@
 #include "SurfaceShading.h"
 #include "TranslucentScene.h"
 #include "VolumeOrder.h"
+#include "VolumeRelay.h"
 #include "VolumeSurfaces.h"
 #include "vtkTreeAMRDepthPeeling.h"
 #include "vtkTreeAMRImagePainter.h"
@@ -116,6 +117,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   vtkTimeStamp SurfaceTime;
   treeamr::CollectedLayers Layers; // of these and of the actors that are drawn with the volume
 
+  std::shared_ptr<treeamr::BoxPeers> Peers; // null: nobody
   treeamr::VolumeFrame CurrentFrame;
   // Of this field with this transfer function.
   std::map<std::pair<vtkRenderer*, vtkVolume*>, treeamr::SampleDistanceControl> SampleDistances;
@@ -137,6 +139,7 @@ struct vtkTreeAMRVolumeMapper::Picture
   treeamr::DataCut Cut;
   treeamr::ActorLayers Actors;
   treeamr::Progress* Progress;                                // null: none follows
+  treeamr::VolumeRelay* Relay;                                // null: the volume is by itself
   std::optional<std::vector<treeamr::SurfaceShader>> Shaders; // once they are traced, the mapper's own first
 };
 

@@ -82,7 +82,7 @@ void vtkTreeAMRVolumeMapper::SelectProp(vtkRenderer* renderer, vtkVolume* volume
     cut.cropping = treeamr::convertCropping(this);
     Picture picture{ renderer, volume, vtkTreeAMRTarget::GetViewport(renderer), false, false,
       this->PrepareVolume(renderer, volume), std::move(cut),
-      { renderer, {}, treeamr::SurfaceLayers::All, nullptr }, nullptr, {} };
+      { renderer, {}, treeamr::SurfaceLayers::All, nullptr }, nullptr, nullptr, {} };
     if (!picture.HasVolume)
     {
       return;

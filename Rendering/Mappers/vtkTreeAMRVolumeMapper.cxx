@@ -302,6 +302,10 @@ double* vtkTreeAMRVolumeMapper::GetBounds()
     this->Update();
   }
   this->Private->BoundsSlot.get(this->GetHyperTreeGrid(), this->Bounds);
+  if (this->Private->Peers && this->GetHyperTreeGrid())
+  {
+    treeamr::addOwnBox(*this->GetHyperTreeGrid(), this->Bounds);
+  }
   return this->Bounds;
 }
 

@@ -71,6 +71,8 @@ struct vtkTreeAMRRaySegments;
 namespace treeamr
 {
 struct ArraySelection;
+class BoxPeers;
+class BoxRelay;
 class Field;
 struct DraftSettings;
 struct Image;
@@ -79,6 +81,7 @@ struct MixedImage;
 class Progress;
 struct RayView;
 struct VolumeLayer;
+class VolumeRelay;
 } // namespace treeamr
 
 class VTKTREEAMRRENDERING_EXPORT vtkTreeAMRVolumeMapper : public vtkVolumeMapper
@@ -341,6 +344,9 @@ public:
   /// needs. largest(numbers): makes each number the largest of all processes'.
   void AgreeOnDrafts(
     vtkRenderer* renderer, vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest);
+  /// Of the same, and as often: who draws the other boxes of the grid, so that frames of all are that of one process alone
+  /// (Partition/BoxRelay.h). Null (default): nobody, each process draws by itself.
+  void SetPeers(std::shared_ptr<treeamr::BoxPeers> peers);
   /// Of the same, and as often: the ranges by default of Transfer2DRange become those of all processes' values.
   void AgreeOnTransfer2DRange(vtkVolume* volume, const std::function<void(std::array<double, 3>&)>& largest);
   ///@{
@@ -360,7 +366,7 @@ public:
     double opacity, double& t, double normal[3], double& value);
 
   ///@{
-  /// Bounds of the trees that this process holds; uninitialised without input.
+  /// Bounds of the trees that this process holds, and with peers of its box; uninitialised without input.
   double* GetBounds() VTK_SIZEHINT(6) override;
   void GetBounds(double bounds[6]) override { this->Superclass::GetBounds(bounds); }
   ///@}
@@ -465,7 +471,7 @@ private:
   double GetFrameSamplesPerCell(vtkVolume* volume);
   void StartFrame(const Picture& picture);
   void TraceSurfaces(Picture& picture);
-  void CastRays(const treeamr::RayView& view, bool isPart, treeamr::Image& image);
+  void CastRays(const treeamr::RayView& view, bool isPart, treeamr::BoxRelay* relay, treeamr::Image& image);
   void Composite(Picture& picture, const vtkTreeAMRRaySegments& rays, const treeamr::ImagePart& part,
     treeamr::Image& image);
   vtkTreeAMRRayImage Trace(Picture& picture, const vtkTreeAMRRaySegments& pixels);
@@ -482,7 +488,7 @@ private:
   /// For a selector of props alone.
   void SelectProp(vtkRenderer* renderer, vtkVolume* volume);
   /// False: there was nothing left to draw.
-  bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume, treeamr::Progress* progress);
+  bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume, treeamr::VolumeRelay& relay, treeamr::Progress* progress);
 
   std::unique_ptr<Internals> Private;
 

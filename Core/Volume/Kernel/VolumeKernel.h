@@ -195,6 +195,7 @@ struct VolumeKernelScene
   BlockCache& kept;
   GradientCache* gradients; // null: none are used
   Image* image;             // null: only groups of pixels are rendered
+  bool goesOn = false;      // rays start with what the image has of them
   const NodeRanges* ranges; // null: nothing is skipped
 
   SceneFeatures features;

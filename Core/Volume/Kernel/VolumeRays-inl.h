@@ -89,7 +89,7 @@ public:
       {
         end_[part][r] = finished;
       }
-      if (x >= width_ || y >= height_)
+      if (x >= width_ || y >= height_ || (scene_.goesOn && !goOn(r, x, y)))
       {
         end_[0][r] = finished;
         continue;
@@ -240,6 +240,17 @@ private:
   bool isFan() const noexcept
   {
     return Origins == RayOrigins::Either ? scene_.features.commonOrigin : startAtReference;
+  }
+
+  /// Starts the ray with what the image has of it; whether it has light left.
+  HWY_NOINLINE bool goOn(int r, int x, int y) noexcept
+  {
+    const float* const rgba = scene_.image->rgba.data() + 4 * (static_cast<std::size_t>(y) * width_ + x);
+    red_[r] = rgba[0];
+    green_[r] = rgba[1];
+    blue_[r] = rgba[2];
+    opacity_[r] = rgba[3];
+    return !(opacity_[r] > opaque_);
   }
 
   /// Finds the ray's hits, and leaves its parts, or where it meets the slice.

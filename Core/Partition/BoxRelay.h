@@ -1,0 +1,69 @@
+// A frame of many processes each of which draws a box of the domain: a tile's colours go from box to box, from the eye on, in
+// floats, so that each ray knows the light that is left, and what is hidden is not traced. Of each pixel one process gives
+// the whole colour away: that whose box is the last on the ray, or in whose window something opaque ends it; all others
+// give nothing of it. So what is put together of their pictures has been rounded once.
+#pragma once
+
+#include "Geometry/Image.h"
+#include "Partition/BoxOrder.h"
+#include "Partition/BoxPeers.h"
+#include "Volume/TileRelay.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace treeamr
+{
+
+class BoxRelay : public TileRelay
+{
+public:
+  /// Of the process that draws boxes[own]; the boxes in the order of cutBoxes(). image: of the camera's size, which gets what
+  /// this process gives away. endDepth: as in RayStops, in this process's window. All must outlive it. Throws Error as
+  /// frontToBack().
+  BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid& grid, BoxPeers& peers,
+    const Camera& camera, const float* endDepth, Image& image);
+  ~BoxRelay() override;
+  BoxRelay(const BoxRelay&) = delete;
+  BoxRelay& operator=(const BoxRelay&) = delete;
+
+  /// Whether all that see something of their boxes can, and see the same: else each draws by itself. Waits for all, and so
+  /// does the end of what has begun. Once.
+  bool begin(bool can);
+
+  bool collect(std::vector<TileRun>& ready) override;
+  void finish(const TileRun& run) override;
+
+private:
+  struct Box
+  {
+    int peer;
+    BoxFootprint footprint;
+    bool overlaps(const TileRun& run) const noexcept;
+  };
+
+  /// The next that may see something of a run, `step` by step from the own one; anyone: there is none.
+  int neighbour(const TileRun& run, int step) const noexcept;
+  TileRun runOf(int number) const noexcept;
+  int numberOf(const TileRun& run) const noexcept;
+  bool agree(bool can);
+  void findLast();
+  void take(const std::vector<float>& numbers, std::vector<TileRun>& ready);
+  template <class Use>
+  void forEachPixel(const TileRun& run, const Use& use);
+
+  BoxPeers& peers_;
+  const Camera& camera_;
+  const float* endDepth_;
+  Image& image_;
+  std::vector<Box> boxes_; // that are seen, nearest first
+  std::size_t own_;        // of these; their number: this process sees nothing
+  int runsInRow_;
+  int rows_; // of tiles
+  bool hasBegun_ = false;
+  bool hasStarted_ = false; // collecting
+  std::size_t awaited_ = 0; // runs
+  std::vector<unsigned char> isLast_; // by pixel: no other box follows on its ray
+};
+
+} // namespace treeamr

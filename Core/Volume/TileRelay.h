@@ -1,0 +1,36 @@
+// How an image that several boxes of a domain have a part in is rendered box after box: each goes on from what those before
+// it have made of a tile's rays, once that has come, while others are at other tiles.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace treeamr
+{
+
+/// Neighbouring tiles of a row of tiles: what comes and goes at once.
+struct TileRun
+{
+  static constexpr int tileWidth = 16; // in pixels, of square tiles
+  static constexpr int mostTiles = 4;
+  int row;         // of tiles, the lowest first
+  int columnBegin; // of tiles
+  int columnEnd;   // up to, but without
+};
+
+/// Of one frame. Called by the thread that renders alone, again and again.
+class TileRelay
+{
+public:
+  virtual ~TileRelay() = default;
+  /// Adds the runs whose pixels have come into the image since the last call. False: no more will.
+  virtual bool collect(std::vector<TileRun>& ready) = 0;
+  /// Of a run: the image has what it becomes.
+  virtual void finish(const TileRun& run) = 0;
+};
+
+/// Renders what the relay collects, on all threads of TBB's arena, until there is no more. After an exception of render()
+/// what is left goes as it came, so that nobody waits for it; then it is thrown.
+void relayTiles(TileRelay& relay, const std::function<void(const TileRun&)>& render);
+
+} // namespace treeamr

@@ -1,0 +1,87 @@
+#include "VolumeRelay.h"
+
+#include "GridPartition.h"
+#include "HyperTreeGridTopology.h"
+#include "SceneConversion.h"
+#include "vtkTreeAMRTarget.h"
+
+#include "vtkBoundingBox.h"
+#include "vtkHyperTreeGrid.h"
+#include "vtkVolume.h"
+
+#include <exception>
+
+namespace treeamr
+{
+
+VolumeRelay::VolumeRelay(BoxPeers* peers, vtkHyperTreeGrid* grid, vtkRenderer* renderer, vtkVolume* volume)
+  : peers_(peers && grid && partitionOf(*grid) ? peers : nullptr)
+  , grid_(grid)
+  , renderer_(renderer)
+  , volume_(volume)
+{
+}
+
+VolumeRelay::~VolumeRelay()
+{
+  try
+  {
+    this->finishWithout();
+    if (peers_)
+    {
+      const vtkTreeAMRViewport viewport = vtkTreeAMRTarget::GetViewport(renderer_);
+      const Camera camera(clipFromData(renderer_, volume_), viewport.Width, viewport.Height);
+      Image image(viewport.Width, viewport.Height);
+      this->make(camera, nullptr, image);
+      relay_->begin(false);
+      relay_.reset();
+    }
+  }
+  catch (const std::exception&)
+  {
+    // A camera or boxes that are none: so for all processes.
+  }
+}
+
+BoxRelay* VolumeRelay::begin(const Camera& camera, const float* endDepth, Image& image)
+{
+  if (!peers_)
+  {
+    return nullptr;
+  }
+  this->make(camera, endDepth, image);
+  peers_ = nullptr;
+  if (!relay_->begin(true))
+  {
+    relay_.reset();
+  }
+  return relay_ ? &*relay_ : nullptr;
+}
+
+void VolumeRelay::finishWithout()
+{
+  if (relay_)
+  {
+    relayTiles(*relay_, [](const TileRun&) {});
+  }
+}
+
+void VolumeRelay::make(const Camera& camera, const float* endDepth, Image& image)
+{
+  const auto partition = partitionOf(*grid_);
+  relay_.emplace(partition->boxes, partition->own, RootGrid(readRootPlanes(*grid_)), *peers_, camera, endDepth, image);
+}
+
+void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6])
+{
+  if (const auto partition = partitionOf(grid))
+  {
+    Bounds box = partition->box().bounds(RootGrid(readRootPlanes(grid)));
+    vtkBoundingBox all(bounds);
+    all.AddPoint(box.min.data());
+    all.AddPoint(box.max.data());
+    all.GetBounds(bounds);
+  }
+}
+
+} // namespace treeamr

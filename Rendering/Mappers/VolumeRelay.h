@@ -1,0 +1,46 @@
+// A volume's frame of many processes: whether this one goes on from others' pixels (Partition/BoxRelay.h). Private to the
+// module.
+#pragma once
+
+#include "Partition/BoxRelay.h"
+
+#include <memory>
+#include <optional>
+
+class vtkHyperTreeGrid;
+class vtkRenderer;
+class vtkVolume;
+
+namespace treeamr
+{
+
+/// Of a call of Render(). All processes ask each other once in each, whatever happens to this one: else the others would wait.
+class VolumeRelay
+{
+public:
+  /// peers: null for a process alone, which has nobody to ask.
+  VolumeRelay(BoxPeers* peers, vtkHyperTreeGrid* grid, vtkRenderer* renderer, vtkVolume* volume);
+  ~VolumeRelay();
+  VolumeRelay(const VolumeRelay&) = delete;
+  VolumeRelay& operator=(const VolumeRelay&) = delete;
+
+  /// When this process can: null unless all can. camera: of all of the viewport's pixels; it, endDepth and the image must
+  /// last until the image has been drawn.
+  BoxRelay* begin(const Camera& camera, const float* endDepth, Image& image);
+  /// What came of others goes on as it is.
+  void finishWithout();
+
+private:
+  void make(const Camera& camera, const float* endDepth, Image& image);
+
+  BoxPeers* peers_; // null: nobody has to be asked any more
+  vtkHyperTreeGrid* grid_;
+  vtkRenderer* renderer_;
+  vtkVolume* volume_;
+  std::optional<BoxRelay> relay_; // that has begun
+};
+
+/// Adds the box of the domain that a process draws, in which others' pixels come to it.
+void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6]);
+
+} // namespace treeamr
