@@ -26,15 +26,20 @@
 #include "vtkRenderer.h"
 #include "vtkTransform.h"
 
+#include <vtksys/SystemInformation.hxx>
+
 #include "Error.h"
 #include "GridExchange.h"
 #include "GridPartition.h"
 #include "HyperTreeGridConverter.h"
+#include "MachineShare.h"
 #include "MergedGrid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace
@@ -77,6 +82,16 @@ std::array<double, 6> latticeBounds(vtkHyperTreeGrid& grid)
     planes[a]->GetRange(&bounds[2 * a]);
   }
   return bounds;
+}
+
+/// All that draw on a machine, which is known by its name, divide what they may keep among them. On all processes.
+void shareMachines(vtkMultiProcessController& controller)
+{
+  vtksys::SystemInformation machine;
+  const auto own = static_cast<vtkIdType>(std::hash<std::string>()(machine.GetHostname()) >> 1);
+  std::vector<vtkIdType> all(static_cast<std::size_t>(controller.GetNumberOfProcesses()));
+  controller.AllGather(&own, all.data(), 1);
+  treeamr::setProcessesOnMachine(static_cast<int>(std::count(all.begin(), all.end(), own)));
 }
 
 /// Of what a matrix makes of a box.
@@ -436,6 +451,7 @@ void vtkTreeAMRRepresentation::Redistribute(bool hasFailed)
   {
     return;
   }
+  shareMachines(*controller);
   if (hasFailed)
   {
     this->Input =

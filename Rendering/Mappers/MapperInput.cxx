@@ -3,6 +3,7 @@
 #include "CornerArrays.h"
 #include "Error.h"
 #include "GridPartition.h"
+#include "MachineShare.h"
 #include "SceneConversion.h"
 
 #include "vtkAbstractMapper.h"
@@ -213,8 +214,8 @@ std::shared_ptr<const Isosurface> acquireIsosurface(
       }
     }
   }
-  auto surface =
-    std::make_shared<const Isosurface>(field, isovalues, Isosurface::defaultKeptBytes, mostCellDepth);
+  auto surface = std::make_shared<const Isosurface>(
+    field, isovalues, shareOfMachine(Isosurface::defaultKeptBytes), mostCellDepth);
   all.push_back({ field.get(), isovalues, mostCellDepth, surface });
   return surface;
 }

@@ -1,6 +1,7 @@
 // What the functions of a property make of a volume mapper's fields.
 #include "vtkTreeAMRVolumeMapper.h"
 
+#include "MachineShare.h"
 #include "TransferFunction2DConversion.h"
 #include "TransferFunctionConversion.h"
 #include "VolumeEffects.h"
@@ -23,7 +24,7 @@ void vtkTreeAMRVolumeMapper::UpdateVolume(vtkVolume* volume)
   Internals& internals = *this->Private;
   vtkVolumeProperty* property = this->ShowsVolume() ? volume->GetProperty() : nullptr;
   const int size = this->ShowsVolume() ? this->VertexCacheSize : 0;
-  const std::size_t bytes = static_cast<std::size_t>(size) << 20;
+  const std::size_t bytes = treeamr::shareOfMachine(static_cast<std::size_t>(size) << 20);
   if (!internals.Volume || internals.Property != property ||
     internals.PropertyTime != (property ? property->GetMTime() : 0) ||
     (internals.ReadsTable && internals.TableRange != this->GetTableRange()))
