@@ -170,7 +170,7 @@ float largestDifference(const Image& a, const Image& b)
 std::vector<float> randomDepths(const Camera& camera, const Bounds& domain)
 {
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> place(0., 1.);
+  std::uniform_real_distribution<double> place(0.01, 0.99);
   DataCut cut;
   cut.addBox(domain);
   std::vector<float> depths;
@@ -265,7 +265,7 @@ TEST(BoxRelay, BoxesTogetherAreTheWhole)
 {
   const Domain domain;
   VolumeSettings many;
-  many.samplesPerCell = 16.;
+  many.samplesPerCell = 64.;
   for (const int parts : { 2, 3, 8 })
   {
     const std::vector<LatticeBox> boxes = domain.cut(parts);
@@ -311,6 +311,8 @@ TEST(BoxRelay, BoxesTogetherAreTheWhole)
 TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
 {
   const Domain domain;
+  VolumeSettings many;
+  many.samplesPerCell = 64.;
   const std::vector<LatticeBox> boxes = domain.cut(5);
   const Camera camera(views().front().clip, width, height);
   const auto hitsIn = [&](const DataCut& cut, std::vector<std::size_t>& first) {
@@ -348,7 +350,7 @@ TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
   std::vector<TranslucentHit> hits;
   Image whole(width, height);
   renderVolume(
-    *domain.field, smooth(), camera, stopsOf(domain.grid.bounds(), first, hits), {}, whole);
+    *domain.field, smooth(), camera, stopsOf(domain.grid.bounds(), first, hits), many, whole);
   Mailbox mailbox;
   const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
     Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
@@ -357,7 +359,7 @@ TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
     const RayStops stops = stopsOf(boxes[own].bounds(domain.grid), ownFirst, ownHits);
     BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
     ASSERT_TRUE(relay.begin(true));
-    volumeOf(*domain.field, smooth()).render({ camera, stops }, {}, image, relay);
+    volumeOf(*domain.field, smooth()).render({ camera, stops }, many, image, relay);
   });
   EXPECT_LT(largestDifference(together(images), whole), tolerance);
 }
