@@ -75,7 +75,8 @@ private:
         return camera_.nearestOctant({ plane, plane, plane }, direction_) >> a & 1;
       }
     }
-    throw Error("boxes of a domain: no plane parts two halves of their list, as those of a kd-tree are parted");
+    throw Error(
+      "boxes of a domain: no plane parts two halves of their list, as those of a kd-tree are parted");
   }
 
   const std::vector<LatticeBox>& boxes_;
@@ -86,8 +87,7 @@ private:
 
 } // namespace
 
-std::vector<int> frontToBack(
-  const std::vector<LatticeBox>& boxes, const RootGrid& grid, const Camera& camera)
+std::vector<int> frontToBack(const std::vector<LatticeBox>& boxes, const RootGrid& grid, const Camera& camera)
 {
   std::vector<int> order;
   if (!boxes.empty())

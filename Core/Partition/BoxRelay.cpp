@@ -74,7 +74,7 @@ BoxRelay::BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid
   for (const int peer : frontToBack(boxes, grid, camera))
   {
     const auto number = static_cast<std::size_t>(peer);
-    const BoxFootprint footprint(boxes[number].bounds(grid), camera);
+    const BoxFootprint footprint(boxes[number].bounds(grid), camera_);
     if (number < peers.drawing().size() && peers.drawing()[number] && footprint.isSeen())
     {
       boxes_.push_back({ peer, footprint });
@@ -210,8 +210,8 @@ bool BoxRelay::collect(std::vector<TileRun>& ready)
     }
   }
   std::vector<float> numbers;
-  while (awaited_ > 0 &&
-    peers_.receive(BoxPeers::anyone, BoxPeers::Channel::Tiles, numbers) != BoxPeers::anyone)
+  while (
+    awaited_ > 0 && peers_.receive(BoxPeers::anyone, BoxPeers::Channel::Tiles, numbers) != BoxPeers::anyone)
   {
     this->take(numbers, ready);
   }

@@ -19,8 +19,8 @@ class BoxRelay : public TileRelay
 {
 public:
   /// Of the process that draws boxes[own]; the boxes in the order of cutBoxes(). image: of the camera's size, which gets what
-  /// this process gives away. endDepth: as in RayStops, in this process's window. All must outlive it. Throws Error as
-  /// frontToBack().
+  /// this process gives away. endDepth: as in RayStops, in this process's window. It and the image must last until all is
+  /// finished, peers until the end. Throws Error as frontToBack().
   BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid& grid, BoxPeers& peers,
     const Camera& camera, const float* endDepth, Image& image);
   ~BoxRelay() override;
@@ -53,7 +53,7 @@ private:
   void forEachPixel(const TileRun& run, const Use& use);
 
   BoxPeers& peers_;
-  const Camera& camera_;
+  const Camera camera_; // that of the footprints
   const float* endDepth_;
   Image& image_;
   std::vector<Box> boxes_; // that are seen, nearest first
@@ -61,8 +61,8 @@ private:
   int runsInRow_;
   int rows_; // of tiles
   bool hasBegun_ = false;
-  bool hasStarted_ = false; // collecting
-  std::size_t awaited_ = 0; // runs
+  bool hasStarted_ = false;           // collecting
+  std::size_t awaited_ = 0;           // runs
   std::vector<unsigned char> isLast_; // by pixel: no other box follows on its ray
 };
 

@@ -12,10 +12,10 @@ namespace treeamr
 struct TileRun
 {
   static constexpr int tileWidth = 16; // in pixels, of square tiles
-  static constexpr int mostTiles = 4;
-  int row;         // of tiles, the lowest first
-  int columnBegin; // of tiles
-  int columnEnd;   // up to, but without
+  static constexpr int mostTiles = 4;  // in a run
+  int row;                             // of tiles, the lowest first
+  int columnBegin;                     // of tiles
+  int columnEnd;                       // up to, but without
 };
 
 /// Of one frame. Called by the thread that renders alone, again and again.

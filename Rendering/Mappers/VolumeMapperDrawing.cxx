@@ -286,8 +286,17 @@ void vtkTreeAMRVolumeMapper::Composite(
     treeamr::BoxRelay* const relay = canRelay ? picture.Relay->begin(camera, stops.endDepth, image) : nullptr;
     try
     {
-      this->CastRays({ camera, stops, picture.Progress }, picture.IsPeeling && !picture.IsWhole, relay, image);
+      this->CastRays(
+        { camera, stops, picture.Progress }, picture.IsPeeling && !picture.IsWhole, relay, image);
       return;
+    }
+    catch (const treeamr::Interrupted&)
+    {
+      if (relay)
+      {
+        picture.Relay->finishWithout();
+      }
+      throw;
     }
     catch (const std::exception& error)
     {

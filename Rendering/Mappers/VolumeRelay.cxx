@@ -69,7 +69,8 @@ void VolumeRelay::finishWithout()
 void VolumeRelay::make(const Camera& camera, const float* endDepth, Image& image)
 {
   const auto partition = partitionOf(*grid_);
-  relay_.emplace(partition->boxes, partition->own, RootGrid(readRootPlanes(*grid_)), *peers_, camera, endDepth, image);
+  relay_.emplace(
+    partition->boxes, partition->own, RootGrid(readRootPlanes(*grid_)), *peers_, camera, endDepth, image);
 }
 
 void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6])

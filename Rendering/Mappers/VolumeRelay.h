@@ -24,8 +24,8 @@ public:
   VolumeRelay(const VolumeRelay&) = delete;
   VolumeRelay& operator=(const VolumeRelay&) = delete;
 
-  /// When this process can: null unless all can. camera: of all of the viewport's pixels; it, endDepth and the image must
-  /// last until the image has been drawn.
+  /// When this process can: null unless all can. camera: of all of the viewport's pixels. endDepth and the image must last
+  /// until all is finished.
   BoxRelay* begin(const Camera& camera, const float* endDepth, Image& image);
   /// What came of others goes on as it is.
   void finishWithout();

@@ -489,7 +489,8 @@ private:
   /// For a selector of props alone.
   void SelectProp(vtkRenderer* renderer, vtkVolume* volume);
   /// False: there was nothing left to draw.
-  bool RenderVolume(vtkRenderer* renderer, vtkVolume* volume, treeamr::VolumeRelay& relay, treeamr::Progress* progress);
+  bool RenderVolume(
+    vtkRenderer* renderer, vtkVolume* volume, treeamr::VolumeRelay& relay, treeamr::Progress* progress);
 
   std::unique_ptr<Internals> Private;
 
