@@ -58,6 +58,7 @@ def render():
     representation = simple.Show(source, view)
     simple.ColorBy(representation, ("CELLS", "Depth"))
     scene.look(view)
+    representation.SamplesPerCell = 8  # each rank begins with steps of its own at its box
     for kind in ("Volume", "Isosurface"):
         representation.SetRepresentationType("Tree AMR " + kind)
         scene.picture(view, f"{kind}-{ranks}")
@@ -85,6 +86,7 @@ def render():
     shown = simple.Show(whole, view)
     simple.ColorBy(shown, ("CELLS", "Depth"))
     shown.SetRepresentationType("Tree AMR Volume")
+    shown.SamplesPerCell = 8
     scene.picture(view, f"Hexahedra-{ranks}")
     simple.Hide(whole, view)
     shown = simple.Show(simple.TreeAMRRedistribute(Input=whole), view)
@@ -113,6 +115,7 @@ else:
         shown = simple.Show(made, view)
         simple.ColorBy(shown, ("CELLS", "Depth"))
         shown.SetRepresentationType("Tree AMR Volume")
+        shown.SamplesPerCell = 8
         scene.picture(view, f"{name}-{ranks}")
         simple.Hide(made, view)
 
@@ -128,6 +131,7 @@ grid.GetCellData().AddArray(height)
     shown = simple.Show(more, view)
     simple.ColorBy(shown, ("CELLS", "Depth"))
     shown.SetRepresentationType("Tree AMR Volume")
+    shown.SamplesPerCell = 8
     simple.Render(view)
     simple.ColorBy(shown, ("CELLS", "Height"))
     scene.picture(view, f"OtherArray-{ranks}")
