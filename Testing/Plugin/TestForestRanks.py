@@ -133,7 +133,7 @@ simple.Render(view)
 scene.look(view)
 view.StereoRender = 1
 view.StereoType = "Anaglyph"
-check("stereo", view, RELAYED)
+check("stereo", view, (2, 0.006))  # of two pictures
 view.StereoRender = 0
 view.CameraParallelProjection = 1
 check("parallel", view, RELAYED)
