@@ -17,6 +17,43 @@ BOUNDS = {
     "Volume": 1, "Isosurface": 1, "Both": 1, "Uniform": 1, "Hexahedra": 1, "Copies": 1, "FirstRank": 1,
     "OtherArray": 1, "TwoArrays": 1, "TwoValues": 1, "TwoValuesOfArrays": 1, "Redistributed": 1}
 
+# Of VTK's source, which since 9.3 draws other random numbers for each rank when it is asked by pieces.
+RANDOM = """
+from vtkmodules.vtkCommonExecutionModel import vtkExtentTranslator
+from vtkmodules.vtkFiltersSources import vtkRandomHyperTreeGridSource
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
+controller = vtkMultiProcessController.GetGlobalController()
+process, processes = controller.GetLocalProcessId(), controller.GetNumberOfProcesses()
+source = vtkRandomHyperTreeGridSource()
+source.SetOutputBounds(-1, 1, -1, 1, -1, 1)
+"""
+ITS_PART = RANDOM + """
+source.SetDimensions(5, 5, 5)
+part = vtkExtentTranslator()
+part.SetWholeExtent(0, 4, 0, 4, 0, 4)
+part.SetPiece(process)
+part.SetNumberOfPieces(processes)
+part.PieceToExtent()
+source.UpdateExtent(part.GetExtent())
+self.GetOutputDataObject(0).ShallowCopy(source.GetOutputDataObject(0))
+"""
+OTHER_GRID = RANDOM + """
+source.SetDimensions(4, 4, 4)
+source.SetSeed(3)
+source.Update()
+self.GetOutputDataObject(0).ShallowCopy(source.GetOutputDataObject(0))
+"""
+OF_FIRST_RANK = OTHER_GRID + """
+if process > 0:
+    self.GetOutputDataObject(0).Initialize()
+"""
+
+
+def grids(script, source=None):
+    """What a script makes of the grids of a source, or by itself."""
+    return simple.ProgrammableFilter(
+        Input=source or simple.HyperTreeGridRandom(), OutputDataSetType="Same as Input", Script=script)
+
 
 def closed(contour):
     contour.UpdatePipeline()
@@ -52,7 +89,7 @@ def check_selection(source, view):
 
 def render():
     ranks = servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
-    source = simple.HyperTreeGridRandom(Dimensions=[5, 5, 5], OutputBounds=[-1, 1, -1, 1, -1, 1])
+    source = grids(ITS_PART)
     source.UpdatePipeline()
     view = scene.view()
     representation = simple.Show(source, view)
@@ -97,21 +134,8 @@ def render():
     simple.HideAll(view)
 
     # A source that gives each rank the same, and one that gives all to the first.
-    for name, has_cells in ("Copies", "True"), ("FirstRank", "process == 0"):
-        made = simple.ProgrammableFilter(Input=source, OutputDataSetType="Same as Input", Script=f"""
-from vtkmodules.vtkFiltersSources import vtkRandomHyperTreeGridSource
-from vtkmodules.vtkParallelCore import vtkMultiProcessController
-process = vtkMultiProcessController.GetGlobalController().GetLocalProcessId()
-if {has_cells}:
-    source = vtkRandomHyperTreeGridSource()
-    source.SetDimensions(4, 4, 4)
-    source.SetOutputBounds(-1, 1, -1, 1, -1, 1)
-    source.SetSeed(3)
-    source.Update()
-    self.GetOutputDataObject(0).ShallowCopy(source.GetOutputDataObject(0))
-else:
-    self.GetOutputDataObject(0).Initialize()
-""")
+    for name, script in ("Copies", OTHER_GRID), ("FirstRank", OF_FIRST_RANK):
+        made = grids(script)
         shown = simple.Show(made, view)
         simple.ColorBy(shown, ("CELLS", "Depth"))
         shown.SetRepresentationType("Tree AMR Volume")
@@ -120,14 +144,14 @@ else:
         simple.Hide(made, view)
 
     # Arrays that are shown later on are sent then.
-    more = simple.ProgrammableFilter(Input=source, OutputDataSetType="Same as Input", Script="""
+    more = grids("""
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 grid = self.GetOutputDataObject(0)
 grid.ShallowCopy(self.GetInputDataObject(0, 0))
 height = numpy_to_vtk(5 - vtk_to_numpy(grid.GetCellData().GetArray('Depth')), deep=1)
 height.SetName('Height')
 grid.GetCellData().AddArray(height)
-""")
+""", source)
     shown = simple.Show(more, view)
     simple.ColorBy(shown, ("CELLS", "Depth"))
     shown.SetRepresentationType("Tree AMR Volume")
