@@ -254,12 +254,11 @@ TEST_F(P4estForestCorruptionTest, HugeCounts)
   smallBrick().save(path);
   const Bytes bytes = readBytes(path);
   const ForestSections s = findSections(bytes);
-  std::vector<std::size_t> counts;
+  std::vector<std::size_t> counts{ s.forestHeader + 24, s.forestHeader + 40, s.partition, s.treeEnds };
   for (std::size_t i = 2; i < 9; ++i)
   {
     counts.push_back(s.connectivityCounts + 8 * i);
   }
-  counts.insert(counts.end(), { s.forestHeader + 24, s.forestHeader + 40, s.partition, s.treeEnds });
   for (const std::size_t at : counts)
   {
     for (const std::uint64_t value :

@@ -183,7 +183,7 @@ TEST_F(MapperSettingsTest, volumeSettingsWithoutEffect)
   std::vector<std::pair<std::string, std::function<void()>>> settings{
     { "UseJittering", [&] { volumeMapper_->UseJitteringOn(); } },
     { "TransferFunctionMode TF_2D: without effect, needed are a TransferFunction2D",
-      [&] { property->SetTransferFunctionModeTo2D(); } },
+      [&] { property->SetTransferFunctionMode(vtkVolumeProperty::TF_2D); } },
     { "IndependentComponents off: without effect, needed is an array of 2 components",
       [&] { property->IndependentComponentsOff(); } },
     { "SetColor(1, ...): without effect, needed are VectorMode DISABLED",

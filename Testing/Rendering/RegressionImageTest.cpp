@@ -129,7 +129,7 @@ TEST_F(RegressionImageTest, volumeOfTwoValues)
     }
   }
   property->SetTransferFunction2D(table);
-  property->SetTransferFunctionModeTo2D();
+  property->SetTransferFunctionMode(vtkVolumeProperty::TF_2D);
   property->SetInterpolationTypeToLinear();
   property->ShadeOn();
   expectBaseline("MandelbulbTransfer2D");

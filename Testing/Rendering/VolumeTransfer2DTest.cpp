@@ -57,7 +57,7 @@ protected:
     oneValue = pair.scene.render();
     pair.property()->SetScalarOpacityUnitDistance(sampleDistance);
     pair.property()->SetTransferFunction2D(image);
-    pair.property()->SetTransferFunctionModeTo2D();
+    pair.property()->SetTransferFunctionMode(vtkVolumeProperty::TF_2D);
   }
   /// Of the second axis in both mappers.
   void useArray(const char* name)
@@ -211,10 +211,10 @@ TEST_F(VolumeTransfer2DTest, newFunctionsAreDrawnAndOldOnesComeBack)
   image->Modified();
   const auto second = render();
   EXPECT_NE(second, first);
-  pair.property()->SetTransferFunctionModeTo1D();
+  pair.property()->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
   pair.property()->SetScalarOpacityUnitDistance(0.2);
   EXPECT_EQ(render(), oneValue);
-  pair.property()->SetTransferFunctionModeTo2D();
+  pair.property()->SetTransferFunctionMode(vtkVolumeProperty::TF_2D);
   pair.property()->SetScalarOpacityUnitDistance(sampleDistance);
   EXPECT_EQ(render(), second);
   const MessageCounter messages(pair.mapper());
