@@ -27,7 +27,7 @@ PICTURES = ["volume.png", "colours.png", "isosurface.png", "swept.png", "complet
             "dragged.png"]
 BLEND_MODES = ["maximum.png", "minimum.png", "average.png", "additive.png", "isosurface.png", "slice.png"]
 SESSION = ["surface.png", "volume.png", "viridis.png", "shaded.png", "shadows.png", *BLEND_MODES, "composite.png", "cropped.png",
-           "undone.png", "undone-again.png", "redone.png", "empty.png", "loaded.png",
+           "undone.png", "redone.png", "empty.png", "loaded.png",
            "clipped.png", "clipped-isosurface.png"]
 TELL_DISTANCE = f"""
 from paraview.simple import *
@@ -255,10 +255,9 @@ class TestSession(unittest.TestCase):
             self.assertLess(differ(cut, background[0]), 0.2, name)
 
     def test_undo_redo_and_state_give_the_same_pictures(self):
-        for name in ("undone.png", "undone-again.png"):
-            self.assertEqual(0, differ(self.views["composite.png"], self.views[name]), name)
-        for name in ("redone.png", "loaded.png"):
+        for name in ("undone.png", "loaded.png"):
             self.assertEqual(0, differ(self.views["cropped.png"], self.views[name]), name)
+        self.assertEqual(0, differ(self.views["composite.png"], self.views["redone.png"]))
 
     def test_trace_draws_what_was_traced(self):
         exec((SESSION_FOLDER / "trace.py").read_text(encoding="utf-8"), {})
