@@ -5,7 +5,6 @@
 #include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
-#include "vtkCellTypes.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSet.h"
@@ -15,6 +14,12 @@
 #include "vtkPoints.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
+#include "vtkVersionMacros.h"
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+#include "vtkCellTypeUtilities.h"
+#else
+#include "vtkCellTypes.h"
+#endif
 
 #include <sstream>
 #include <utility>
@@ -25,10 +30,35 @@ namespace treeamr
 namespace
 {
 
-template <class Array>
-auto pointerTo(Array* array)
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+using CellTypeNames = vtkCellTypeUtilities;
+
+vtkDataArray* cellTypesOf(vtkUnstructuredGrid* grid)
 {
-  return array->GetNumberOfValues() > 0 ? array->GetPointer(0) : nullptr;
+  return grid->GetCellTypes();
+}
+#else
+using CellTypeNames = vtkCellTypes;
+
+vtkDataArray* cellTypesOf(vtkUnstructuredGrid* grid)
+{
+  return grid->GetCellTypesArray();
+}
+#endif
+
+/// The values of an array, one after the other; where it has them otherwise, as VTK 9.6 has what is constant or increases
+/// evenly, it becomes a copy.
+template <class Value>
+const Value* valuesOf(vtkSmartPointer<vtkDataArray>& array)
+{
+  using Values = vtkAOSDataArrayTemplate<Value>;
+  if (!Values::FastDownCast(array))
+  {
+    const auto copy = vtkSmartPointer<Values>::New();
+    copy->DeepCopy(array);
+    array = copy;
+  }
+  return array->GetNumberOfValues() > 0 ? Values::FastDownCast(array)->GetPointer(0) : nullptr;
 }
 
 } // namespace
@@ -40,26 +70,28 @@ HexahedronBlock::HexahedronBlock(vtkUnstructuredGrid* grid, std::string name)
   , pointCount_(grid->GetNumberOfPoints())
 {
   const std::string prefix = name_.empty() ? "" : name_ + ": ";
-  vtkUnsignedCharArray* const types = grid->GetCellTypesArray();
-  if (!types || types->GetNumberOfValues() < cellCount_)
+  typeArray_ = cellTypesOf(grid);
+  if (!typeArray_ || typeArray_->GetNumberOfValues() < cellCount_)
   {
-    throw Error(prefix + std::to_string(types ? types->GetNumberOfValues() : 0) +
+    throw Error(prefix + std::to_string(typeArray_ ? typeArray_->GetNumberOfValues() : 0) +
       " cell types, allowed are " + std::to_string(cellCount_) + ", one a cell");
   }
-  types_ = pointerTo(types);
+  types_ = valuesOf<unsigned char>(typeArray_);
   ghosts_ = cellGhosts({ grid, name_ });
 
   vtkCellArray* const cells = grid->GetCells();
   idCount_ = cells->GetNumberOfConnectivityIds();
-  if (cells->IsStorage64Bit())
+  offsetArray_ = cells->GetOffsetsArray();
+  idArray_ = cells->GetConnectivityArray();
+  if (vtkAOSDataArrayTemplate<vtkTypeInt32>::FastDownCast(idArray_))
   {
-    longOffsets_ = pointerTo(cells->GetOffsetsArray64());
-    longIds_ = pointerTo(cells->GetConnectivityArray64());
+    offsets_ = valuesOf<vtkTypeInt32>(offsetArray_);
+    ids_ = valuesOf<vtkTypeInt32>(idArray_);
   }
   else
   {
-    offsets_ = pointerTo(cells->GetOffsetsArray32());
-    ids_ = pointerTo(cells->GetConnectivityArray32());
+    longOffsets_ = valuesOf<vtkTypeInt64>(offsetArray_);
+    longIds_ = valuesOf<vtkTypeInt64>(idArray_);
   }
 
   if (pointCount_ > 0)
@@ -95,7 +127,7 @@ std::string HexahedronBlock::describe(vtkIdType cell) const
     vtkNew<vtkGenericCell> generic;
     generic->SetCellType(types_[cell]);
     const int dimension = generic->GetCellDimension();
-    const char* const typeName = vtkCellTypes::GetClassNameFromTypeId(types_[cell]);
+    const char* const typeName = CellTypeNames::GetClassNameFromTypeId(types_[cell]);
     text << ", a " << typeName << (dimension < 3 ? " of " + std::to_string(dimension) + " dimensions" : "");
   }
   if (this->isHexahedron(cell) && !this->hasCorners(cell))

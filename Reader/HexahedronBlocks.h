@@ -61,6 +61,9 @@ private:
   vtkSmartPointer<vtkUnstructuredGrid> grid_;
   std::string name_;
   vtkSmartPointer<vtkDataArray> coordinates_; // of float or double, one after the other
+  vtkSmartPointer<vtkDataArray> typeArray_;
+  vtkSmartPointer<vtkDataArray> offsetArray_;
+  vtkSmartPointer<vtkDataArray> idArray_;
   vtkIdType cellCount_ = 0;
   vtkIdType pointCount_ = 0;
   vtkIdType idCount_ = 0;

@@ -37,6 +37,7 @@
 #include "vtkTrivialProducer.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
+#include "vtkVersionMacros.h"
 
 #include <gtest/gtest.h>
 
@@ -192,6 +193,24 @@ TEST(FromUnstructured, OctreesComeBack)
     expectRoundTrip(cells, options);
   }
 }
+
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 6, 0)
+// Offsets of as many points for each cell are computed, not stored.
+TEST(FromUnstructured, CellsOfFixedSize)
+{
+  for (const auto convertCells :
+    { &vtkCellArray::ConvertToFixedSize32BitStorage, &vtkCellArray::ConvertToFixedSize64BitStorage })
+  {
+    const std::vector<CellId> cells = nineCells();
+    const HexahedronExport options;
+    const auto grid = makeHexahedra(cells, options);
+    ASSERT_TRUE((grid->GetCells()->*convertCells)());
+    const MadeGrid result = convert(grid);
+    ASSERT_TRUE(result.errors.empty()) << result.errors[0];
+    expectCells(result.grid, cells, options);
+  }
+}
+#endif
 
 TEST(FromUnstructured, ShrunkCellsHaveTheirPlacesFilled)
 {
