@@ -233,16 +233,24 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   return array;
 }
 
-/// Of the array to contour, be it there or not.
-std::string NameOf(vtkDataArray* found, vtkInformation* wanted)
+/// Of the array to contour, be it there or not. Of no name, as a proxy has before its input is up to date: the active
+/// scalars, or else the first array.
+std::string NameOf(vtkHyperTreeGrid* input, vtkDataArray* found, vtkInformation* wanted)
 {
   if (found && found->GetName())
   {
     return found->GetName();
   }
-  if (const char* name = wanted->Get(vtkDataObject::FIELD_NAME()))
+  const char* const name = wanted->Get(vtkDataObject::FIELD_NAME());
+  if (name && *name)
   {
     return name;
+  }
+  vtkCellData* const cells = input->GetCellData();
+  vtkDataArray* const first = cells->GetScalars() ? cells->GetScalars() : cells->GetArray(0);
+  if (name && first && first->GetName())
+  {
+    return first->GetName();
   }
   throw treeamr::Error(
     "contour: the input has no active cell scalars of a name; call SetInputArrayToProcess() with the name of "
@@ -368,7 +376,8 @@ void vtkTreeAMRContourFilter::ContourOnAll(
     {
       vtkHyperTreeGrid* const grid = grids.front().grid;
       arrays = treeamr::takenArrays(*grid, *this->CellDataArraySelection, this->SelectionIsFinal);
-      arrays.push_back(NameOf(this->GetInputArrayToProcess(0, grid), this->GetInputArrayInformation(0)));
+      arrays.push_back(
+        NameOf(grid, this->GetInputArrayToProcess(0, grid), this->GetInputArrayInformation(0)));
     }
   });
   if (group.any(grids.size() > 1 || (!grids.empty() && !vtkHyperTreeGrid::SafeDownCast(input))))
@@ -445,9 +454,11 @@ void vtkTreeAMRContourFilter::ContourAll(vtkDataObject* input, vtkPolyData* outp
 void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* output)
 {
   const std::string contouredName =
-    NameOf(this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
-  const auto field = treeamr::acquireField(input, { contouredName, this->Component });
+    NameOf(input, this->GetInputArrayToProcess(0, input), this->GetInputArrayInformation(0));
   vtkDataArray* contoured = input->GetCellData()->GetArray(contouredName.c_str());
+  // As ParaView's list of components has it, one beyond the last is the magnitude.
+  const bool isMagnitude = contoured && this->Component == treeamr::fieldComponents(*contoured);
+  const auto field = treeamr::acquireField(input, { contouredName, isMagnitude ? -1 : this->Component });
   treeamr::CornerRemarks corners;
   corners.add(*contoured, *field);
   this->Warn(treeamr::narrowRange(*contoured, *field));

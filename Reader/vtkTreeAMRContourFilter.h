@@ -61,7 +61,7 @@ public:
 
   ///@{
   /**
-   * Component of the contoured array; -1 for the magnitude. Default 0, the first.
+   * Component of the contoured array; -1, or one beyond the last, for the magnitude. Default 0, the first.
    */
   vtkSetMacro(Component, int);
   vtkGetMacro(Component, int);

@@ -3,10 +3,12 @@
 import os
 import sys
 
+import numpy as np
 from paraview import servermanager, simple, smstate
 from paraview.vtk.util.numpy_support import vtk_to_numpy
 
 import scene
+import treeamr
 from treeamr.vtkTreeAMRReader import vtkTreeAMRExampleSource
 
 FOREST = sys.argv[1]
@@ -159,6 +161,28 @@ class TestProxies(scene.TestCase):
         self.assertEqual(["CELLS", "xyz"], list(contour.ContourBy))
         self.assertEqual(1, len(contour.Isosurfaces))
         self.assertEqual((1, 0, 1), (contour.ComputeNormals, contour.ComputeGradients, contour.ComputeScalars))
+
+    def test_contour_of_an_input_that_is_not_up_to_date(self):
+        contour = simple.TreeAMRContour(Input=simple.TreeAMRExample(Dataset="Synthetic"), Isosurfaces=[8.0])
+        self.assertEqual("", contour.ContourBy[1])
+        contour.UpdatePipeline()
+        self.assertEqual({"xyz", "Normals"}, set(contour.PointData.keys()))
+        self.assertGreater(contour.GetDataInformation().GetNumberOfPoints(), 100)
+
+    def test_contour_of_a_component(self):
+        """Planes of x, of y, and a sphere, of the points themselves."""
+        ijk = np.stack(np.meshgrid(*3 * [np.arange(16)], indexing="ij"), axis=-1).reshape(-1, 3)
+        places = 2 * (ijk + 0.5) / 16 - 1
+        source = simple.TrivialProducer()
+        source.GetClientSideObject().SetOutput(
+            treeamr.from_cells(4, ijk, {"places": places}, origin=(-1, -1, -1), spacing=2))
+        contour = simple.TreeAMRContour(Input=source, ContourBy=["CELLS", "places"], Isosurfaces=[0.5])
+        for component, of_points in enumerate([
+                lambda p: p[:, 0], lambda p: p[:, 1], lambda p: p[:, 2], lambda p: np.linalg.norm(p, axis=1)]):
+            contour.Component = component
+            points = vtk_to_numpy(servermanager.Fetch(contour).GetPoints().GetData())
+            self.assertGreater(len(points), 100)
+            np.testing.assert_allclose(of_points(points), 0.5, atol=0.01)
 
 
 if __name__ == "__main__":
