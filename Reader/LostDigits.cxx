@@ -18,6 +18,28 @@ double largestOf(Range range, double offset)
   return std::max(std::abs(offset + range.min), std::abs(offset + range.max));
 }
 
+/// Of an array's finite values; masked cells' count, too.
+Remark valuesBeyondFloats(vtkDataArray& array)
+{
+  constexpr double most = std::numeric_limits<float>::max();
+  for (int c = 0; array.GetDataType() == VTK_DOUBLE && c < array.GetNumberOfComponents(); ++c)
+  {
+    double range[2];
+    array.GetFiniteRange(range, c);
+    // Of nothing finite the range is inside out.
+    if (range[0] <= range[1] && std::max(-range[0], range[1]) > most)
+    {
+      const std::string about =
+        "hyper tree grid: cell array '" + std::string(array.GetName()) + "' has values";
+      std::ostringstream text;
+      text << about << " from " << range[0] << " to " << range[1] << "; allowed are those up to " << most
+           << ", cells of others are missing: multiply them by a constant";
+      return { about, text.str() };
+    }
+  }
+  return {};
+}
+
 } // namespace
 
 Remark roundedIntegers(vtkDataArray& array, const Field& field)
@@ -53,8 +75,13 @@ Remark roundedIntegers(vtkDataArray& array, const Field& field)
       "; single precision rounds those beyond " + std::to_string(static_cast<int>(exact)) };
 }
 
-Remark narrowRange(vtkDataArray& array, const Field& field)
+Remark unsuitableRange(vtkDataArray& array, const Field& field)
 {
+  const Remark beyond = valuesBeyondFloats(array);
+  if (!beyond.text.empty())
+  {
+    return beyond;
+  }
   constexpr double enough = 0x1p19; // of steps, each of which may be half a step wrong
   const double range = static_cast<double>(field.range().max) - field.range().min;
   const double largest = largestOf(field.range(), field.offset());

@@ -17,8 +17,9 @@ struct Remark
 /// array: its own.
 Remark roundedIntegers(vtkDataArray& array, const Field& field);
 
-/// Of a field with a range so small that 2^-20 of it is less than doubles can tell: isovalues, colours and results
-/// count in these, whatever the field's offset is. array: its own.
-VTKTREEAMRREADER_EXPORT Remark narrowRange(vtkDataArray& array, const Field& field);
+/// Of a field that leaves out finite values beyond the range of single precision; or with a range so small that 2^-20 of it
+/// is less than doubles can tell: isovalues, colours and results count in these, whatever the field's offset is. array: its
+/// own.
+VTKTREEAMRREADER_EXPORT Remark unsuitableRange(vtkDataArray& array, const Field& field);
 
 } // namespace treeamr

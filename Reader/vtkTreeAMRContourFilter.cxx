@@ -215,7 +215,7 @@ vtkSmartPointer<vtkDataArray> Interpolate(vtkHyperTreeGrid* input, const std::st
   {
     const auto field = treeamr::acquireField(input, { name, c }); // throws without the array
     corners.add(*cells, *field);
-    warn(treeamr::narrowRange(*cells, *field));
+    warn(treeamr::unsuitableRange(*cells, *field));
     warn(treeamr::roundedIntegers(*cells, *field));
     for (const Surface& surface : surfaces)
     {
@@ -461,7 +461,7 @@ void vtkTreeAMRContourFilter::Contour(vtkHyperTreeGrid* input, vtkPolyData* outp
   const auto field = treeamr::acquireField(input, { contouredName, isMagnitude ? -1 : this->Component });
   treeamr::CornerRemarks corners;
   corners.add(*contoured, *field);
-  this->Warn(treeamr::narrowRange(*contoured, *field));
+  this->Warn(treeamr::unsuitableRange(*contoured, *field));
   std::vector<Surface> surfaces(this->GetNumberOfContours());
   vtkIdType points = 0;
   vtkIdType triangles = 0;

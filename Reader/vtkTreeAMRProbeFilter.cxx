@@ -132,7 +132,7 @@ ArrayResult SampleArray(vtkDataSet* input, vtkHyperTreeGrid* source, const std::
     {
       corners.add(cells, *field);
     }
-    remarks.push_back(treeamr::narrowRange(cells, *field));
+    remarks.push_back(treeamr::unsuitableRange(cells, *field));
     remarks.push_back(treeamr::roundedIntegers(cells, *field));
     if (!result.Values)
     {

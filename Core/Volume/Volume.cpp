@@ -249,7 +249,8 @@ void Volume::prepareMemory(bool withValues, bool withGradients, bool withColors,
     }
   };
   prepareValues(*field_, kept_);
-  if (!withGradients)
+  const bool isLitByColors = withColors && isColoredByOther();
+  if (!withGradients || isLitByColors)
   {
     keptGradients_ = nullptr;
   }
@@ -267,7 +268,7 @@ void Volume::prepareMemory(bool withValues, bool withGradients, bool withColors,
       continue;
     }
     prepareValues(*part.field, part.kept);
-    if (!withGradients || mixture_->mixing != VolumeMixing::Independent)
+    if (!withGradients || (mixture_->mixing != VolumeMixing::Independent && !isLitByColors))
     {
       part.gradients = nullptr;
     }
@@ -324,8 +325,16 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
                                    : usesGradients(settings, hasCategories);
   prepareMemory(!hasCategories && !settings.nearest, withGradients, withColors,
     settings.levelOfDetailPixels > 0. && !hasCategories);
+  const Mixture::Part* const lights = withColors && isColoredByOther() ? &mixture_->parts.front() : nullptr;
   VolumeKernelScene scene(*field_, transferFunction_, *table_, view, settings, *kept_,
-    areIndependent ? nullptr : keptGradients_.get(), image);
+    areIndependent ? nullptr
+      : lights     ? lights->gradients.get()
+                   : keptGradients_.get(),
+    image);
+  if (lights)
+  {
+    scene.ofGradients = lights->field.get();
+  }
   if (withColors)
   {
     KernelMixture mixture{ mixture_->mixing, {}, mixture_->weights, ofTwo };
@@ -361,6 +370,11 @@ VolumeKernelScene Volume::makeScene(const RayView& view, const VolumeSettings& s
   }
   scatter(settings, scene);
   return scene;
+}
+
+bool Volume::isColoredByOther() const noexcept
+{
+  return mixture_ && mixture_->mixing == VolumeMixing::Colors && mixture_->parts.front().field != field_;
 }
 
 bool Volume::canScatter() const noexcept

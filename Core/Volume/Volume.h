@@ -70,7 +70,8 @@ public:
   };
 
   /// Colours by another field, in the octree of the first: of the transfer function extinctions alone count then, of
-  /// `colors` the colours, over its field's values less their offset. Null: none. Blends of values show
+  /// `colors` the colours, over its field's values less their offset. Its gradients are those of light and of gradient
+  /// opacity, as VTK's GPU mapper has it. Null: none. Blends of values show
   /// none of them. Throws Error, and keeps what was there, for a field of
   /// another octree and for categories in either function.
   void setColors(std::shared_ptr<const Field> field, const TransferFunction& colors);
@@ -125,6 +126,8 @@ public:
 private:
   struct Mixture;
 
+  /// Whether it is lit by the gradients of the field that colours it, too.
+  bool isColoredByOther() const noexcept;
   void prepareMemory(bool withValues, bool withGradients, bool withColors, bool withMeans);
   void forgetKept() noexcept;
   void checkPart(const std::shared_ptr<const Field>& field, const TransferFunction& function) const;

@@ -169,7 +169,7 @@ const std::shared_ptr<const Made>& InputSlot<Made>::acquire(
         made_ = acquireField(grid, selection);
         vtkDataArray& array = numericCellArray(*grid, selection.name);
         const Remark corners = unevenCorners(array, *made_);
-        remark_ = corners.text.empty() ? narrowRange(array, *made_) : corners;
+        remark_ = corners.text.empty() ? unsuitableRange(array, *made_) : corners;
       }
     }
     catch (const Error&)

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <tuple>
 
 using namespace treeamr;
@@ -49,7 +50,7 @@ Remark remarkOn(vtkDataArray* array, const std::function<double(int, int)>& valu
   }
   grid->GetCellData()->AddArray(array);
   const ArraySelection selection{ "pressure", component };
-  return narrowRange(*array, *acquireField(grid, selection));
+  return unsuitableRange(*array, *acquireField(grid, selection));
 }
 
 Remark remarkOnDoubles(const std::function<double(int, int)>& value)
@@ -96,6 +97,19 @@ TEST(LostDigits, ComponentsAndMagnitudes)
     array->SetNumberOfComponents(2);
     EXPECT_NE(remarkOn(array, value, component).text.empty(), isSaid) << component;
   }
+}
+
+TEST(LostDigits, FiniteValuesThatFloatsHaveNot)
+{
+  const auto half = [](double large) {
+    return remarkOnDoubles([large](int i, int) { return i % 2 ? large : i / 512.; }).text;
+  };
+  EXPECT_EQ(half(-1e39),
+    "hyper tree grid: cell array 'pressure' has values from -1e+39 to 0.996094; allowed are those up to "
+    "3.40282e+38, cells of others are missing: multiply them by a constant");
+  EXPECT_NE(half(5e302), "");
+  EXPECT_EQ(half(3e38), "");
+  EXPECT_EQ(half(std::numeric_limits<double>::infinity()), "");
 }
 
 TEST(LostDigits, NothingIsSaidWhereNothingIsLost)

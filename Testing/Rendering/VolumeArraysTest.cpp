@@ -64,7 +64,18 @@ TEST_F(VolumeArraysTest, dependentComponentsAsVTK)
   pair.property()->SetScalarOpacityUnitDistance(1, 0.2);
   EXPECT_LT(pair.difference(), tolerance);
   pair.showOurs();
-  EXPECT_NE(pair.scene.render(), before);
+  const auto unlit = pair.scene.render();
+  EXPECT_NE(unlit, before);
+  // By the gradient of the component of colours.
+  pair.property()->ShadeOn();
+  EXPECT_LT(pair.difference(), tolerance) << "lit";
+  pair.showOurs();
+  EXPECT_NE(pair.scene.render(), unlit);
+  vtkNew<vtkPiecewiseFunction> function;
+  function->AddPoint(0., 0.);
+  function->AddPoint(0.06, 1.);
+  pair.property()->SetGradientOpacity(function);
+  EXPECT_LT(pair.difference(), tolerance) << "lit, opacity by gradients";
 }
 
 TEST_F(VolumeArraysTest, fourDependentComponentsAsVTK)

@@ -158,7 +158,7 @@ public:
     , path_(field.octree())
     , isLit_(!blendsValues(settings.blend) && !transferFunction.hasCategories() &&
         (settings.shading || settings.gradientOpacity || (table && !table->second)))
-    , evaluator_(field)
+    , evaluator_(colors ? colors->field : field)
   {
   }
 

@@ -81,7 +81,7 @@ public:
       const BlockVertices vertices = verticesOfChildren(children);
       if (!evaluator_)
       {
-        evaluator_.emplace(scene_.field);
+        evaluator_.emplace(*scene_.ofGradients);
       }
       evaluator_->compute(path, cells, vertices, computed_);
       ++blocks_;

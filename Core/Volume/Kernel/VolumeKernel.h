@@ -194,6 +194,7 @@ struct VolumeKernelScene
   const VolumeSettings& settings;
   BlockCache& kept;
   GradientCache* gradients; // null: none are used
+  const Field* ofGradients; // its vertex gradients are these
   Image* image;             // null: only groups of pixels are rendered
   bool goesOn = false;      // rays start with what the image has of them
   const NodeRanges* ranges; // null: nothing is skipped

@@ -233,6 +233,7 @@ VolumeKernelScene::VolumeKernelScene(const Field& field, const TransferFunction&
   , settings(settings)
   , kept(kept)
   , gradients(gradients)
+  , ofGradients(&field)
   , image(image)
   , ranges(settings.skipEmpty ? &field.nodeRanges() : nullptr)
 {
