@@ -1,8 +1,8 @@
 # Debian packages by CPack, from a build for the prefix /usr (`make package`): treeamr and treeamr-dev.
 #
-# What the libraries depend on is computed (dpkg-shlibdeps). ParaView's programs load the plugins that a file beside them
-# lists, paraview.conf, which Debian's packages leave out: so no environment is needed. Those of ParaView are listed, too, for it
-# then looks for them nowhere else.
+# What the libraries depend on is computed (dpkg-shlibdeps). ParaView's programs load the plugins of the files that paraview.conf
+# lists: so no environment is needed. Debian 12 has none, and its programs look for it beside them. Those of ParaView are listed,
+# too, for it then looks for them nowhere else. From Debian 13 on paraview has one in its library folder, which is diverted.
 
 if (NOT PROJECT_IS_TOP_LEVEL OR NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr" OR NOT TREEAMR_WITH_PLUGIN)
   return ()
@@ -11,10 +11,23 @@ endif ()
 set(maintainer "The TreeAMR authors <maintainers@treeamr.example>")
 set(revision 1)
 
-file(RELATIVE_PATH plugins "${CMAKE_INSTALL_FULL_BINDIR}" "/usr/${TREEAMR_PLUGIN_DIR}")
-file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf"
-  "${plugins}/paraview.plugins.xml\n${plugins}/treeamr.plugins.xml\n")
-install(FILES "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" DESTINATION "${CMAKE_INSTALL_BINDIR}")
+cmake_path(GET TREEAMR_PLUGIN_DIR PARENT_PATH folder)
+set(conf "/usr/${folder}/paraview.conf")
+set(is_diverted OFF)
+if (EXISTS "${conf}")
+  set(is_diverted ON)
+  file(STRINGS "${conf}" lists)
+  set(list "plugins/treeamr.plugins.xml")
+  list(REMOVE_ITEM lists "${list}") # when the package is installed here
+else ()
+  set(folder "${CMAKE_INSTALL_BINDIR}")
+  file(RELATIVE_PATH plugins "${CMAKE_INSTALL_FULL_BINDIR}" "/usr/${TREEAMR_PLUGIN_DIR}")
+  set(lists "${plugins}/paraview.plugins.xml")
+  set(list "${plugins}/treeamr.plugins.xml")
+endif ()
+list(JOIN lists "\n" lists)
+file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" "${lists}\n${list}\n")
+install(FILES "${CMAKE_BINARY_DIR}/CMakeFiles/paraview.conf" DESTINATION "${folder}")
 
 # What Debian's policy wants in each package (chapters 4.4 and 12.5).
 file(READ LICENSE license)
@@ -80,6 +93,14 @@ file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/postinst"
   "${script}compile > /dev/null; then\n  py3compile -p treeamr\nfi\n")
 file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/prerm"
   "${script}clean > /dev/null; then\n  py3clean -p treeamr\nfi\n")
+if (is_diverted)
+  list(APPEND control preinst postrm)
+  set(divert "dpkg-divert --package treeamr --rename --divert ${conf}.paraview")
+  file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/preinst"
+    "#!/bin/sh\nset -e\nif [ \"$1\" != abort-upgrade ]; then\n  ${divert} --add ${conf}\nfi\n")
+  file(WRITE "${CMAKE_BINARY_DIR}/CMakeFiles/postrm"
+    "#!/bin/sh\nset -e\ncase \"$1\" in\n  remove | abort-install | disappear)\n    ${divert} --remove ${conf}\n    ;;\nesac\n")
+endif ()
 list(TRANSFORM control PREPEND "${CMAKE_BINARY_DIR}/CMakeFiles/")
 set(CPACK_DEBIAN_RUN_PACKAGE_CONTROL_EXTRA "${control}")
 set(CPACK_DEBIAN_RUN_DESCRIPTION
