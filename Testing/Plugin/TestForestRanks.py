@@ -59,7 +59,7 @@ display.SamplesPerCell = 8
 volume = check("volume", view, RELAYED)
 assert reader.GetDataInformation().GetNumberOfCells() > 0
 
-display.LookupTable.ApplyPreset("Viridis (matplotlib)", True)
+display.LookupTable.ApplyPreset(scene.VIRIDIS, True)
 check("colours", view, RELAYED)
 camera = view.CameraPosition[:]
 view.CameraPosition = [0.3, 2.5, -1.2]

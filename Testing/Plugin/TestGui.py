@@ -150,8 +150,10 @@ def play(clicks, folder, macros):
             (macro_folder / f"{name}.py").write_text(text, encoding="utf-8")
     (folder / "run").mkdir(mode=0o700)
     (folder / "test").mkdir()
+    script = (pathlib.Path(__file__).parent / clicks).read_text(encoding="utf-8")
+    (folder / clicks).write_text(script.replace("Viridis (matplotlib)", scene.VIRIDIS), encoding="utf-8")
     done = run_paraview(folder, f"--test-directory={folder / 'test'}", f"--data-directory={DATA}",
-                        f"--test-script={pathlib.Path(__file__).parent / clicks}", "--exit")
+                        f"--test-script={folder / clicks}", "--exit")
     print(done.stdout, done.stderr)
     return done
 

@@ -93,7 +93,7 @@ class Session:
 
     def change_colour_map(self, slot):
         table = simple.GetColorTransferFunction(self.random.choice(self.grids[slot][2]))
-        table.ApplyPreset(self.random.choice(["Cool to Warm", "Viridis (matplotlib)", "Jet"]), True)
+        table.ApplyPreset(self.random.choice(["Cool to Warm", scene.VIRIDIS, "Jet"]), True)
 
     def change_opacity(self, slot):
         _, shown, arrays = self.grids[slot]

@@ -18,6 +18,7 @@ from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
 BACKGROUND = (0, 0, 0)
 
 PARAVIEW = (servermanager.vtkSMProxyManager.GetVersionMajor(), servermanager.vtkSMProxyManager.GetVersionMinor())
+VIRIDIS = "Viridis" if PARAVIEW >= (6, 1) else "Viridis (matplotlib)"
 # The property of displays that moves their data.
 TRANSLATION = "Translation" if PARAVIEW >= (5, 13) else "Position"
 

@@ -7,6 +7,7 @@
 #include "Interpolation/Sampler.h"
 #include "Support/HyperTreeGrids.h"
 
+#include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellData.h"
 #include "vtkCharArray.h"
 #include "vtkCommand.h"
@@ -291,7 +292,7 @@ TEST(ProbeFilter, NearestCopiesWhatTheCellHas)
   const MessageCatcher warnings(probe, vtkCommand::WarningEvent);
   probe->Update();
   vtkPointData* output = probe->GetOutput()->GetPointData();
-  auto* foundIds = vtkTypeInt64Array::SafeDownCast(output->GetArray("ids"));
+  auto* foundIds = vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(output->GetArray("ids"));
   ASSERT_NE(foundIds, nullptr);
   EXPECT_EQ(foundIds->GetValue(0), ids->GetValue(4));
   EXPECT_EQ(foundIds->GetValue(1), ids->GetValue(5));
