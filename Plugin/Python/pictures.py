@@ -219,7 +219,6 @@ def _volume(grid, name: str, colors, opacity, unit: float, shade: bool):
     mapper.AutoAdjustSampleDistancesOff()
     properties = vtkVolumeProperty()
     properties.SetInterpolationTypeToLinear()
-    properties.SetInterpolationTypeToLinear()
     properties.SetColor(colors)
     properties.SetScalarOpacity(opacity)
     properties.SetScalarOpacityUnitDistance(unit)
