@@ -7,8 +7,7 @@ a list of {"dataset", "ranks", "volume_max_diff", "volume_mean_diff", "default_m
 the first picture), "wall_s_frame", "cpu_s_frame" (of all ranks)}. Pictures, and 40 times their differences, are
 FOLDER/ranks/*.png.
 
-Volumes are compared at 8 samples a cell: at the default of 2 ("default") rays that have little light left take fewer, which
-those of a rank behind another do not know of. Times are of the default.
+Volumes are compared at 8 samples a cell and at the default of 2 ("default"), of which times are.
 
 The ranks share this machine's cores: wall times say what that costs, not what more machines would give.
 
