@@ -5,6 +5,7 @@
 #include "Error.h"
 #include "Support/HyperTreeGrids.h"
 
+#include "vtkAOSDataArrayTemplate.h"
 #include "vtkBitArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -120,7 +121,7 @@ TEST(CategoryConverter, IdsBeyondFloatStayApart)
   addArray<vtkTypeInt64Array>(grid, "id", [&](vtkIdType i) { return ids[i % std::size(ids)]; });
   const auto categories = acquireCategories(grid, { "id" });
   ASSERT_EQ(categories->values->GetNumberOfTuples(), static_cast<vtkIdType>(std::size(ids)));
-  auto* const values = vtkTypeInt64Array::SafeDownCast(categories->values);
+  auto* const values = vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(categories->values);
   ASSERT_TRUE(values);
   for (const vtkTypeInt64 id : ids)
   {
