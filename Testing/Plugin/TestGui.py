@@ -143,13 +143,12 @@ def run_paraview(folder, *arguments):
 
 def play(clicks, folder, macros):
     shutil.rmtree(folder, ignore_errors=True)
-    # From 5.13 on they are looked for beside the test directory.
-    for macro_folder in folder / "home" / ".config" / "ParaView" / "Macros", folder / "Macros":
+    # From 5.13 on they are looked for beside the test directory, from 6.1 on in it.
+    for macro_folder in folder / "home" / ".config" / "ParaView" / "Macros", folder / "Macros", folder / "test" / "Macros":
         macro_folder.mkdir(parents=True)
         for name, text in macros.items():
             (macro_folder / f"{name}.py").write_text(text, encoding="utf-8")
     (folder / "run").mkdir(mode=0o700)
-    (folder / "test").mkdir()
     script = (pathlib.Path(__file__).parent / clicks).read_text(encoding="utf-8")
     (folder / clicks).write_text(script.replace("Viridis (matplotlib)", scene.VIRIDIS), encoding="utf-8")
     done = run_paraview(folder, f"--test-directory={folder / 'test'}", f"--data-directory={DATA}",

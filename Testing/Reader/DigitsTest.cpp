@@ -14,6 +14,7 @@
 #include "Support/RandomTrees.h"
 #include "Surface/Isosurface.h"
 
+#include "vtkAOSDataArrayTemplate.h"
 #include "vtkCellData.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
@@ -501,13 +502,13 @@ TEST(Digits, OneValue)
     vtkNew<vtkTypeInt64Array> array;
     array->SetNumberOfValues(countVertices(grid));
     array->FillValue(value);
-    EXPECT_EQ(vtkTypeInt64Array::SafeDownCast(probed(array, grid))->GetValue(13), value);
+    EXPECT_EQ(vtkAOSDataArrayTemplate<vtkTypeInt64>::FastDownCast(probed(array, grid))->GetValue(13), value);
   }
   const auto grid = adaptiveGrid();
   vtkNew<vtkTypeUInt64Array> array;
   array->SetNumberOfValues(countVertices(grid));
   array->FillValue(std::numeric_limits<vtkTypeUInt64>::max());
-  EXPECT_EQ(vtkTypeUInt64Array::SafeDownCast(probed(array, grid))->GetValue(13),
+  EXPECT_EQ(vtkAOSDataArrayTemplate<vtkTypeUInt64>::FastDownCast(probed(array, grid))->GetValue(13),
     std::numeric_limits<vtkTypeUInt64>::max());
 }
 

@@ -7,6 +7,7 @@
 #include "vtkImageData.h"
 #include "vtkPlane.h"
 #include "vtkPointData.h"
+#include "vtkVersionMacros.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
@@ -258,11 +259,13 @@ TEST_F(VolumeTransfer2DTest, whatCannotBeDrawnIsSaid)
   MessageCounter messages(pair.mapper());
   vtkVolumeProperty* property = pair.property();
   property->SetScalarOpacityUnitDistance(0.2);
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0) // VTK 9.1 dereferences it
   property->SetTransferFunction2D(nullptr);
   EXPECT_EQ(render(), oneValue);
   render();
   ASSERT_EQ(messages.warnings.size(), 1u);
   EXPECT_NE(messages.warnings[0].find("TransferFunctionMode TF_2D: without effect"), std::string::npos);
+#endif
   property->SetTransferFunction2D(image);
   const auto two = render();
   EXPECT_NE(two, oneValue);
