@@ -192,7 +192,8 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
   {
     vtkWarningMacro(<< (this->MapsScalars ? "MultiComponentsMapping on" : "MapScalars off")
                     << " is without effect on " << inVain << " of " << components
-                    << (components == 1 ? " component" : " components") << "; needed are 2 (colour, opacity) or 4 (red, green, blue, opacity).");
+                    << (components == 1 ? " component" : " components")
+                    << "; needed are 2 (colour, opacity) or 4 (red, green, blue, opacity).");
   }
   this->MappedInVain = inVain;
   this->Mapper->SetOpacityArrayName(

@@ -458,8 +458,7 @@ private:
   void SetFunctions(vtkVolumeProperty* property, std::size_t keptBytes);
   void SetTable(vtkVolumeProperty* property, std::size_t keptBytes);
   ///@}
-  treeamr::ArraySelection SelectComponent(
-    const std::string& setting, const std::string& name, int component);
+  treeamr::ArraySelection SelectComponent(const std::string& setting, const std::string& name, int component);
   /// Of what makes the volume opaque, when that is not the array itself.
   std::optional<treeamr::ArraySelection> SelectOpacity(vtkVolume* volume);
   void UpdateField(vtkVolume* volume);

@@ -229,8 +229,7 @@ private:
     const ToTable<Real>& toTable, const Lattice<Real>& lattice, Reals<Real> most)
   {
     const RealTag<Real> d;
-    const Spot<Real> middle =
-      locate(span, hn::Mul(hn::Add(octant.begin, octant.end), half<Real>()), lattice);
+    const Spot<Real> middle = locate(span, hn::Mul(hn::Add(octant.begin, octant.end), half<Real>()), lattice);
     Reals<Real> lower[4];
     Reals<Real> upper[4];
     values.pairs(middle.vertex, lower, upper);

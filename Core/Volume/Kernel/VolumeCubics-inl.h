@@ -1,5 +1,5 @@
-// The field on a ray's way through an octant of the vertices' lattice: a cubic, known from four places. Compiled once for
-// each instruction set, as Highway wants it.
+// The field on a ray's way through the octants of the vertices' lattice, in each of which it is a cubic: known from four
+// places or from the derivatives in the middle. Compiled once for each instruction set, as Highway wants it.
 #if defined(TREEAMR_VOLUMECUBICS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef TREEAMR_VOLUMECUBICS_INL_H
 #undef TREEAMR_VOLUMECUBICS_INL_H
@@ -89,8 +89,8 @@ public:
       const Reals<Real> first = hn::Set(d, lattice.first[a]);
       const Reals<Real> last = hn::Set(d, lattice.last[a]);
       // Beyond a face that it begins on.
-      const Reals<Real> below =
-        hn::IfThenElse(rises, hn::Floor(span.start[a]), hn::Sub(hn::Ceil(span.start[a]), hn::Set(d, Real(1))));
+      const Reals<Real> below = hn::IfThenElse(
+        rises, hn::Floor(span.start[a]), hn::Sub(hn::Ceil(span.start[a]), hn::Set(d, Real(1))));
       const Reals<Real> cell = hn::Min(hn::Max(below, first), last);
       const auto placeOf = [&](Reals<Real> lower) {
         const Reals<Real> face = hn::Add(lower, hn::IfThenElseZero(rises, hn::Set(d, Real(1))));
@@ -163,16 +163,6 @@ struct CubicPiece
     return mulAdd(cubic, shape, mulAdd(u, mulAdd(bend, u, slope), begin));
   }
 
-  /// What it does not exceed between its ends where these are less: the larger one of its inner Bernstein coefficients.
-  HWY_INLINE Reals<Real> mostInside(Reals<Real> end) const
-  {
-    const Reals<Real> halfCubic = times(Real(0.5), cubic);
-    const Reals<Real> slopeAtBegin = hn::Add(slope, halfCubic);
-    const Reals<Real> slopeAtEnd = hn::Add(mulAdd(hn::Set(RealTag<Real>(), Real(2)), bend, slope), halfCubic);
-    return hn::Max(
-      hn::Add(begin, times(Real(1) / 3, slopeAtBegin)), hn::Sub(end, times(Real(1) / 3, slopeAtEnd)));
-  }
-
   /// Where its derivative vanishes, inside or outside; NaN is no place.
   struct Turns
   {
@@ -243,10 +233,7 @@ public:
     cubic_ = hn::Mul(hn::Mul(scale, way[0]), hn::Mul(wayYZ, xyz));
   }
 
-  HWY_INLINE Reals<Real> begin() const
-  {
-    return hn::Sub(hn::Add(constant_, bend_), hn::Add(slope_, cubic_));
-  }
+  HWY_INLINE Reals<Real> begin() const { return hn::Sub(hn::Add(constant_, bend_), hn::Add(slope_, cubic_)); }
   HWY_INLINE Reals<Real> end() const { return hn::Add(hn::Add(constant_, bend_), hn::Add(slope_, cubic_)); }
 
   /// What it does not exceed between its ends where these are less: the larger one of its inner Bernstein coefficients.
