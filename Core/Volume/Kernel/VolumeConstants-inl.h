@@ -335,17 +335,15 @@ private:
       }
       return;
     }
-    Reals<Real> extinction = hn::IfThenElseZero(part.taken, gather<Real>(entries + 3, entry));
+    Reals<Real> terms[4];
+    gatherFours<Real>(entries, entry, terms);
+    Reals<Real> extinction = hn::IfThenElseZero(part.taken, terms[3]);
     if (hn::AllFalse(d, hn::Gt(extinction, hn::Zero(d))))
     {
       return;
     }
     ++statistics_.litSteps;
-    Reals<Real> color[3];
-    for (int c = 0; c < 3; ++c)
-    {
-      color[c] = gather<Real>(entries + c, entry);
-    }
+    Reals<Real> color[3] = { terms[0], terms[1], terms[2] };
     if constexpr (isLit)
     {
       const Reals<Real> middle = hn::Mul(hn::Add(part.begin, part.end), hn::Set(d, Real(0.5)));

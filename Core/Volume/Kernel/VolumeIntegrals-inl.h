@@ -101,11 +101,14 @@ HWY_INLINE Places<Real> findPlaces(const IntegralTable& table, Reals<Real> at)
   places.inRow = hn::Sub(at, gather<Real>(table.places(), row));
   const Reals<Real> halfInRow = hn::Mul(places.inRow, half<Real>());
   const Ints<Real> index = hn::Mul(row, hn::Set(di, rowSize));
+  Reals<Real> own[4];
+  Reals<Real> slope[4];
+  gatherFours<Real>(table.rows()[0].own, index, own);
+  gatherFours<Real>(table.rows()[0].slope, index, slope);
   for (int c = 0; c < 4; ++c)
   {
-    const Reals<Real> own = gather<Real>(table.rows()[0].own + c, index);
-    places.term[c] = mulAdd(gather<Real>(table.rows()[0].slope + c, index), places.inRow, own);
-    places.ofRow[c] = hn::Mul(halfInRow, hn::Add(places.term[c], own));
+    places.term[c] = mulAdd(slope[c], places.inRow, own[c]);
+    places.ofRow[c] = hn::Mul(halfInRow, hn::Add(places.term[c], own[c]));
   }
   return places;
 }
@@ -124,10 +127,12 @@ HWY_INLINE Sums<Real> findSums(const IntegralTable& table, const Places<Real>& p
   const IntTag<Real> di;
   const Ints<Real> index = hn::Mul(truncated<Real>(places.row), hn::Set(di, rowSize));
   Sums<Real> sums;
+  Reals<Real> rest[4];
+  gatherFours<Real>(table.rows()[0].sum, index, sums.sum);
+  gatherFours<Real>(table.rows()[0].rest, index, rest);
   for (int c = 0; c < 4; ++c)
   {
-    sums.sum[c] = gather<Real>(table.rows()[0].sum + c, index);
-    sums.rest[c] = hn::Add(places.ofRow[c], gather<Real>(table.rows()[0].rest + c, index));
+    sums.rest[c] = hn::Add(places.ofRow[c], rest[c]);
   }
   return sums;
 }

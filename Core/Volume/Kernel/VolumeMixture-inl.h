@@ -132,16 +132,20 @@ public:
     const auto columns = static_cast<std::int32_t>(table.first().size);
     const Ints<Real> entry =
       hn::ShiftLeft<2>(hn::Add(hn::Mul(lower[1], hn::Set(di, columns)), lower[0])); // of four floats
+    Reals<Real> corners[2][2][4];
+    for (int r = 0; r < 2; ++r)
+    {
+      const float* const row = &table.entries().front().r + 4 * static_cast<std::ptrdiff_t>(columns) * r;
+      gatherFours<Real>(row, entry, corners[r][0]);
+      gatherFours<Real>(row + 4, entry, corners[r][1]);
+    }
     Reals<Real> sums[4];
     for (int c = 0; c < 4; ++c)
     {
-      const float* const entries = &table.entries().front().r + c;
       Reals<Real> rows[2];
       for (int r = 0; r < 2; ++r) // exact at either end, however opaque the other one is
       {
-        const float* const row = entries + 4 * static_cast<std::ptrdiff_t>(columns) * r;
-        rows[r] =
-          mulAdd(parts[0][0], gather<Real>(row, entry), hn::Mul(parts[0][1], gather<Real>(row + 4, entry)));
+        rows[r] = mulAdd(parts[0][0], corners[r][0][c], hn::Mul(parts[0][1], corners[r][1][c]));
       }
       sums[c] = mulAdd(parts[1][0], rows[0], hn::Mul(parts[1][1], rows[1]));
     }

@@ -104,6 +104,75 @@ HWY_INLINE Reals<Real> gather(const float* table, Ints<Real> index)
   }
 }
 
+#if HWY_TARGET != HWY_SCALAR
+/// Four floats each from table[at[0]], table[at[4]] ... on, as many as a vector has room for.
+template <class D>
+HWY_INLINE hn::Vec<D> loadFours(D d, const float* table, const std::int32_t* at)
+{
+  if constexpr (hn::MaxLanes(d) == 4)
+  {
+    return hn::LoadU(d, table + *at);
+  }
+  else
+  {
+    const hn::Half<D> dh;
+    return hn::Combine(d, loadFours(dh, table, at + hn::MaxLanes(dh)), loadFours(dh, table, at));
+  }
+}
+
+template <class D>
+HWY_INLINE void gatherFours(D d, const float* table, const std::int32_t* at, hn::Vec<D> (&four)[4])
+{
+  const hn::RepartitionToWide<D> pairs;
+  hn::Vec<D> ofLanes[4]; // each of every fourth lane
+  for (int lane = 0; lane < 4; ++lane)
+  {
+    ofLanes[lane] = loadFours(d, table, at + lane);
+  }
+  const auto low01 = hn::BitCast(pairs, hn::InterleaveLower(d, ofLanes[0], ofLanes[1]));
+  const auto low23 = hn::BitCast(pairs, hn::InterleaveLower(d, ofLanes[2], ofLanes[3]));
+  const auto high01 = hn::BitCast(pairs, hn::InterleaveUpper(d, ofLanes[0], ofLanes[1]));
+  const auto high23 = hn::BitCast(pairs, hn::InterleaveUpper(d, ofLanes[2], ofLanes[3]));
+  four[0] = hn::BitCast(d, hn::InterleaveLower(pairs, low01, low23));
+  four[1] = hn::BitCast(d, hn::InterleaveUpper(pairs, low01, low23));
+  four[2] = hn::BitCast(d, hn::InterleaveLower(pairs, high01, high23));
+  four[3] = hn::BitCast(d, hn::InterleaveUpper(pairs, high01, high23));
+}
+#endif
+
+/// Of a table of floats four that follow each other, from each lane's index on. A load of all four and a transposition
+/// take an eighth of the time of four gathers (Zen 5).
+template <class Real>
+HWY_INLINE void gatherFours(const float* table, Ints<Real> index, Reals<Real> (&four)[4])
+{
+#if HWY_TARGET != HWY_SCALAR
+  const hn::Rebind<float, RealTag<Real>> d;
+  if constexpr (hn::MaxLanes(d) >= 4)
+  {
+    HWY_ALIGN std::int32_t at[lanes<Real>];
+    hn::Store(index, IntTag<Real>(), at);
+    if constexpr (std::is_same_v<Real, float>)
+    {
+      gatherFours(d, table, at, four);
+    }
+    else
+    {
+      hn::Vec<decltype(d)> floats[4];
+      gatherFours(d, table, at, floats);
+      for (int c = 0; c < 4; ++c)
+      {
+        four[c] = hn::PromoteTo(RealTag<Real>(), floats[c]);
+      }
+    }
+    return;
+  }
+#endif
+  for (int c = 0; c < 4; ++c)
+  {
+    four[c] = gather<Real>(table + c, index);
+  }
+}
+
 // Products and sums rounded apart, also where one instruction could do both: so every instruction set gives the
 // same picture, to the bit. (Compiled with -ffp-contract=off.)
 template <class V>
@@ -432,14 +501,14 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
   }
   Reals<Real> position[Count];
   sample(spots, values, toTable, position);
-  Ints<Real> entry[Count];
+  Reals<Real> entry[Count][4];
   Reals<Real> extinction[Count];
   Reals<Real> any = hn::Zero(d);
   for (int k = 0; k < Count; ++k)
   {
-    entry[k] = hn::ShiftLeft<2>(nearest<Real>(position[k])); // of four floats
-    extinction[k] = hn::IfThenElseZero(
-      hn::Lt(hn::Set(d, i + static_cast<Real>(k)), span.samples), gather<Real>(entries + 3, entry[k]));
+    gatherFours<Real>(entries, hn::ShiftLeft<2>(nearest<Real>(position[k])), entry[k]);
+    extinction[k] =
+      hn::IfThenElseZero(hn::Lt(hn::Set(d, i + static_cast<Real>(k)), span.samples), entry[k][3]);
     any = hn::Max(any, extinction[k]);
   }
   bool isOfMany = false;
@@ -482,11 +551,7 @@ HWY_INLINE int takePoints(const float* entries, const Span<Real>& span, Real i, 
       continue;
     }
     const Reals<Real> weight = hn::Mul(light.transmittance, held[k]);
-    Reals<Real> color[3];
-    for (int c = 0; c < 3; ++c)
-    {
-      color[c] = gather<Real>(entries + c, entry[k]);
-    }
+    Reals<Real> color[3] = { entry[k][0], entry[k][1], entry[k][2] };
     if constexpr (Lighting::isLit)
     {
       lighting.shade(effects[k], hn::Set(d, Real(1)), color);
