@@ -277,11 +277,7 @@ private:
     }
     if constexpr (isComposite)
     {
-      hn::Store(light.opacity, d, opacity_ + ray);
-      hn::Store(light.red, d, red_ + ray);
-      hn::Store(light.green, d, green_ + ray);
-      hn::Store(light.blue, d, blue_ + ray);
-      finishSteps(light.opacity, crosses, ray);
+      finishSteps(light, crosses, ray);
     }
     if constexpr (isExtreme)
     {
@@ -359,11 +355,7 @@ private:
     const Reals<Real> depth =
       depthPerExtinction(hn::Sub(part.end, part.begin), hn::Load(d, lengthPerT_ + ray));
     const Reals<Real> weight = hn::Mul(light.transmittance, heldBack(hn::Neg(hn::Mul(extinction, depth))));
-    light.red = mulAdd(weight, color[0], light.red);
-    light.green = mulAdd(weight, color[1], light.green);
-    light.blue = mulAdd(weight, color[2], light.blue);
-    light.opacity = hn::Add(light.opacity, weight);
-    light.transmittance = hn::Sub(light.transmittance, weight);
+    light.add(color, weight);
   }
 };
 

@@ -7,6 +7,7 @@
 #define TREEAMR_VOLUMEINTERVALS_INL_H
 #endif
 
+#include "Volume/Kernel/PackedRays-inl.h"
 #include "Volume/Kernel/VolumeBlocks-inl.h"
 #include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
@@ -176,6 +177,7 @@ protected:
   using Rays::opacity_;
   using Rays::opaque_;
   using Rays::origin_;
+  using Rays::packed;
   using Rays::parts_;
   using Rays::red_;
   using Rays::startAtReference;
@@ -198,44 +200,158 @@ protected:
   void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,
     const Lattice<Real>& lattice, GroupMask active)
   {
+    // Exact values are few: a loop without stops for them would cost more to compile than it saves.
+    constexpr bool isFrequent =
+      std::is_same_v<Values, QuantisedValues> && (Loop == VolumeLoop::Plain || Loop == VolumeLoop::Lit);
+    if constexpr (isFrequent)
+    {
+      if (!hasHits_ && parts_ == 1)
+      {
+        block.preIntegrate ? integrateWhole<true>(values, block, box, lattice, active)
+                           : integrateWhole<false>(values, block, box, lattice, active);
+        return;
+      }
+    }
     for (; active != 0; active &= active - 1)
     {
       const int group = std::countr_zero(active);
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes<Real>)
       {
-        // Exact values are few: a loop without stops for them would cost more to compile than it saves.
-        constexpr bool isFrequent = std::is_same_v<Values, QuantisedValues> && Loop == VolumeLoop::Plain;
-        if (!isFrequent || hasHits_ || parts_ > 1)
+        if constexpr (isComposite)
         {
-          if constexpr (isComposite)
-          {
-            block.preIntegrate ? integrateFromStopToStop<true>(values, block, box, lattice, ray)
-                               : integrateFromStopToStop<false>(values, block, box, lattice, ray);
-          }
-          else
-          {
-            integrateFromStopToStop<false>(values, block, box, lattice, ray);
-          }
-          continue;
+          block.preIntegrate ? integrateFromStopToStop<true>(values, block, box, lattice, ray)
+                             : integrateFromStopToStop<false>(values, block, box, lattice, ray);
         }
-        if constexpr (isFrequent)
+        else
         {
-          block.preIntegrate ? integrate<true>(values, block, box, lattice, ray)
-                             : integrate<false>(values, block, box, lattice, ray);
+          integrateFromStopToStop<false>(values, block, box, lattice, ray);
         }
       }
     }
   }
 
-  /// Takes the rays from `ray` on through a box.
+  /// Of rays in one part, without stops.
   template <bool PreIntegrated, class Values>
-  HWY_INLINE void integrate(const Values& values, const Block<Real>& block, const Box<Real>& box,
-    const Lattice<Real>& lattice, int ray)
+  HWY_INLINE void integrateWhole(const Values& values, const Block<Real>& block, const Box<Real>& box,
+    const Lattice<Real>& lattice, GroupMask active)
+  {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+    if constexpr (std::is_same_v<Real, float>)
+    {
+      if ((active & (active - 1)) != 0)
+      {
+        integratePacked<PreIntegrated>(values, block, box, lattice, active);
+        return;
+      }
+    }
+#endif
+    const RealTag<Real> d;
+    for (; active != 0; active &= active - 1)
+    {
+      const int first = std::countr_zero(active) * groupRays;
+      for (int ray = first; ray < first + groupRays; ray += lanes<Real>)
+      {
+        Reals<Real> begin = hn::Load(d, begin_[0] + ray);
+        Reals<Real> end = hn::Load(d, end_[0] + ray);
+        enterBox(box, ray, begin, end);
+        integrateVector<PreIntegrated>(values, block, lattice, ray, begin, end);
+      }
+    }
+  }
+
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  /// The same, where groups of which few rays cross the box share a vector.
+  template <bool PreIntegrated, class Values>
+  HWY_INLINE void integratePacked(const Values& values, const Block<Real>& block, const Box<Real>& box,
+    const Lattice<Real>& lattice, GroupMask active)
   {
     const RealTag<Real> d;
-    Reals<Real> begin = hn::Load(d, begin_[0] + ray);
-    Reals<Real> end = hn::Load(d, end_[0] + ray);
-    enterBox(box, ray, begin, end);
+    PackedRays rays;
+    const Reals<Real> zero = hn::Zero(d);
+    Reals<Real> begins = zero;
+    Reals<Real> ends = zero;
+    Reals<Real> origins[3] = { zero, zero, zero };
+    Reals<Real> directions[3] = { zero, zero, zero };
+    Reals<Real> lengths = zero;
+    Reals<Real> reds = zero;
+    Reals<Real> greens = zero;
+    Reals<Real> blues = zero;
+    Reals<Real> opacities = zero;
+    const auto integrateThem = [&] {
+      for (int a = 0; a < 3; ++a)
+      {
+        hn::Store(directions[a], d, direction_[a] + packed);
+        if (!startAtReference)
+        {
+          hn::Store(origins[a], d, origin_[a] + packed);
+        }
+      }
+      hn::Store(lengths, d, lengthPerT_ + packed);
+      hn::Store(reds, d, red_ + packed);
+      hn::Store(greens, d, green_ + packed);
+      hn::Store(blues, d, blue_ + packed);
+      hn::Store(opacities, d, opacity_ + packed);
+      hn::Store(ends, d, end_[0] + packed);
+      integrateVector<PreIntegrated>(values, block, lattice, packed, begins, ends);
+      rays.unpack(packed, red_, green_, blue_, opacity_);
+      const Mask<Real> done = hn::Eq(hn::Load(d, end_[0] + packed), hn::Set(d, finished));
+      if (!hn::AllFalse(d, done))
+      {
+        rays.finish(done, finished, end_[0]);
+      }
+      rays.clear();
+      begins = ends = zero;
+    };
+    for (; active != 0; active &= active - 1)
+    {
+      const int ray = std::countr_zero(active) * groupRays;
+      Reals<Real> begin = hn::Load(d, begin_[0] + ray);
+      Reals<Real> end = hn::Load(d, end_[0] + ray);
+      enterBox(box, ray, begin, end);
+      const Mask<Real> crosses = hn::Lt(begin, end);
+      const int count = static_cast<int>(hn::CountTrue(d, crosses));
+      const bool isAlone = rays.count() == 0 && (active & (active - 1)) == 0;
+      if (isAlone || 4 * count > 3 * lanes<Real>)
+      {
+        integrateVector<PreIntegrated>(values, block, lattice, ray, begin, end);
+        continue;
+      }
+      if (count == 0)
+      {
+        continue;
+      }
+      if (rays.count() + count > lanes<Real>)
+      {
+        integrateThem();
+      }
+      rays.add(ray, crosses, count);
+      begins = rays.with(begins, begin);
+      ends = rays.with(ends, end);
+      for (int a = 0; a < 3; ++a)
+      {
+        directions[a] = rays.with(directions[a], hn::Load(d, direction_[a] + ray));
+        if (!startAtReference)
+        {
+          origins[a] = rays.with(origins[a], hn::Load(d, origin_[a] + ray));
+        }
+      }
+      lengths = rays.with(lengths, hn::Load(d, lengthPerT_ + ray));
+      reds = rays.with(reds, hn::Load(d, red_ + ray));
+      greens = rays.with(greens, hn::Load(d, green_ + ray));
+      blues = rays.with(blues, hn::Load(d, blue_ + ray));
+      opacities = rays.with(opacities, hn::Load(d, opacity_ + ray));
+    }
+    if (rays.count() > 0)
+    {
+      integrateThem();
+    }
+  }
+#endif
+
+  template <bool PreIntegrated, class Values>
+  HWY_NOINLINE void integrateVector(const Values& values, const Block<Real>& block,
+    const Lattice<Real>& lattice, int ray, Reals<Real> begin, Reals<Real> end)
+  {
     integratePart<PreIntegrated>(values, block, lattice, ray, begin, end);
   }
 
@@ -352,17 +468,18 @@ protected:
           takePoints<1>(table_, span, i, values, block.toTable, lattice, lighting, light);
       }
     }
+    finishSteps(light, crosses, ray);
+  }
+
+  /// Keeps what rays from `ray` on have, and ends those that have no light left, or have met what there is of a slice.
+  HWY_INLINE void finishSteps(const Light<Real>& light, Mask<Real> crosses, int ray)
+  {
+    const RealTag<Real> d;
     hn::Store(light.opacity, d, opacity_ + ray);
     hn::Store(light.red, d, red_ + ray);
     hn::Store(light.green, d, green_ + ray);
     hn::Store(light.blue, d, blue_ + ray);
-    finishSteps(light.opacity, crosses, ray);
-  }
-
-  /// Ends rays from `ray` on that have no light left, or have met what there is of a slice.
-  HWY_INLINE void finishSteps(Reals<Real> opacity, Mask<Real> crosses, int ray)
-  {
-    const Mask<Real> isOpaque = hn::Gt(opacity, hn::Set(RealTag<Real>(), opaque_));
+    const Mask<Real> isOpaque = hn::Gt(light.opacity, hn::Set(d, opaque_));
     finishWhere(isLit && scene_.features.slicesFaces ? hn::Or(isOpaque, crosses) : isOpaque, ray);
   }
 

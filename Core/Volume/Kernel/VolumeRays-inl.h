@@ -219,16 +219,20 @@ public:
     }
   }
 
-  HWY_ALIGN Real origin_[3][tileRays] = {}; // zero in a fan
-  HWY_ALIGN Real direction_[3][tileRays] = {};
+  /// Behind the tile's rays there is room for a vector of packed ones.
+  static constexpr int packed = tileRays;
+  static constexpr int slots = tileRays + lanes<Real>;
+
+  HWY_ALIGN Real origin_[3][slots] = {}; // zero in a fan
+  HWY_ALIGN Real direction_[3][slots] = {};
   HWY_ALIGN Real inverse_[3][tileRays] = {};
-  HWY_ALIGN Real begin_[RayParts::most][tileRays] = {};
-  HWY_ALIGN Real end_[RayParts::most][tileRays] = {};
-  HWY_ALIGN Real lengthPerT_[tileRays] = {}; // of the world, in diagonals of the domain in data coordinates
-  HWY_ALIGN Real red_[tileRays];
-  HWY_ALIGN Real green_[tileRays];
-  HWY_ALIGN Real blue_[tileRays];
-  HWY_ALIGN Real opacity_[tileRays];
+  HWY_ALIGN Real begin_[RayParts::most][slots] = {};
+  HWY_ALIGN Real end_[RayParts::most][slots] = {};
+  HWY_ALIGN Real lengthPerT_[slots] = {}; // of the world, in diagonals of the domain in data coordinates
+  HWY_ALIGN Real red_[slots];
+  HWY_ALIGN Real green_[slots];
+  HWY_ALIGN Real blue_[slots];
+  HWY_ALIGN Real opacity_[slots];
   int parts_ = 1; // of begin_ and end_ in use: the most of any ray
   bool hasHits_;
   Real opaque_;                       // a ray with more opacity is done
