@@ -205,10 +205,13 @@ protected:
       std::is_same_v<Values, QuantisedValues> && (Loop == VolumeLoop::Plain || Loop == VolumeLoop::Lit);
     if constexpr (isFrequent)
     {
-      if (!hasHits_ && parts_ == 1)
+      for (int part = 0; !hasHits_ && part < parts_; ++part)
       {
-        block.preIntegrate ? integrateWhole<true>(values, block, box, lattice, active)
-                           : integrateWhole<false>(values, block, box, lattice, active);
+        block.preIntegrate ? integrateWithoutStops<true>(values, block, box, lattice, active, part)
+                           : integrateWithoutStops<false>(values, block, box, lattice, active, part);
+      }
+      if (!hasHits_)
+      {
         return;
       }
     }
@@ -230,17 +233,17 @@ protected:
     }
   }
 
-  /// Of rays in one part, without stops.
+  /// A part of rays without hits.
   template <bool PreIntegrated, class Values>
-  HWY_INLINE void integrateWhole(const Values& values, const Block<Real>& block, const Box<Real>& box,
-    const Lattice<Real>& lattice, GroupMask active)
+  HWY_INLINE void integrateWithoutStops(const Values& values, const Block<Real>& block, const Box<Real>& box,
+    const Lattice<Real>& lattice, GroupMask active, int part)
   {
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
     if constexpr (std::is_same_v<Real, float>)
     {
       if ((active & (active - 1)) != 0)
       {
-        integratePacked<PreIntegrated>(values, block, box, lattice, active);
+        integratePacked<PreIntegrated>(values, block, box, lattice, active, part);
         return;
       }
     }
@@ -251,8 +254,8 @@ protected:
       const int first = std::countr_zero(active) * groupRays;
       for (int ray = first; ray < first + groupRays; ray += lanes<Real>)
       {
-        Reals<Real> begin = hn::Load(d, begin_[0] + ray);
-        Reals<Real> end = hn::Load(d, end_[0] + ray);
+        Reals<Real> begin = hn::Load(d, begin_[part] + ray);
+        Reals<Real> end = hn::Load(d, end_[part] + ray);
         enterBox(box, ray, begin, end);
         integrateVector<PreIntegrated>(values, block, lattice, ray, begin, end);
       }
@@ -263,7 +266,7 @@ protected:
   /// The same, where groups of which few rays cross the box share a vector.
   template <bool PreIntegrated, class Values>
   HWY_INLINE void integratePacked(const Values& values, const Block<Real>& block, const Box<Real>& box,
-    const Lattice<Real>& lattice, GroupMask active)
+    const Lattice<Real>& lattice, GroupMask active, int part)
   {
     const RealTag<Real> d;
     PackedRays rays;
@@ -297,7 +300,10 @@ protected:
       const Mask<Real> done = hn::Eq(hn::Load(d, end_[0] + packed), hn::Set(d, finished));
       if (!hn::AllFalse(d, done))
       {
-        rays.finish(done, finished, end_[0]);
+        for (int p = 0; p < parts_; ++p)
+        {
+          rays.finish(done, finished, end_[p]);
+        }
       }
       rays.clear();
       begins = ends = zero;
@@ -305,8 +311,8 @@ protected:
     for (; active != 0; active &= active - 1)
     {
       const int ray = std::countr_zero(active) * groupRays;
-      Reals<Real> begin = hn::Load(d, begin_[0] + ray);
-      Reals<Real> end = hn::Load(d, end_[0] + ray);
+      Reals<Real> begin = hn::Load(d, begin_[part] + ray);
+      Reals<Real> end = hn::Load(d, end_[part] + ray);
       enterBox(box, ray, begin, end);
       const Mask<Real> crosses = hn::Lt(begin, end);
       const int count = static_cast<int>(hn::CountTrue(d, crosses));
