@@ -34,6 +34,11 @@ struct CroppingRegions
   /// Bit x + 3 y + 9 z; 0 is below the lower plane, 1 between the two, 2 above the upper one.
   std::uint32_t shown;
 
+  /// Whether nothing can be between the planes of an axis.
+  bool hasNoMiddle() const noexcept
+  {
+    return planes[0] >= planes[1] || planes[2] >= planes[3] || planes[4] >= planes[5];
+  }
   /// Of data coordinates; a point in a plane is not between the two.
   bool shows(const Vec3& point) const noexcept;
   bool operator==(const CroppingRegions&) const = default;

@@ -474,6 +474,12 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
     auto* mapper = static_cast<vtkTreeAMRVolumeMapper*>(shown->GetMapper());
     treeamr::DataCut cut = treeamr::cutOf(mapper, shown);
     cut.cropping = treeamr::convertCropping(mapper);
+    if (cut.cropping && cut.cropping->hasNoMiddle())
+    {
+      mapper->Private->Messages.warning({ "cropping",
+        "CroppingRegionPlanes: along an axis the lower plane is not below the upper one, so that nothing is "
+        "between them" });
+    }
     std::unique_ptr<Picture> picture(new Picture{ renderer, shown, vtkTreeAMRTarget::GetViewport(renderer),
       isWhole, isPeeling, mapper->PrepareVolume(renderer, shown), std::move(cut),
       { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, &relay, {} });

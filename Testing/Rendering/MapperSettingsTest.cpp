@@ -230,6 +230,27 @@ TEST_F(MapperSettingsTest, isosurfacesAreOfTheContinuousFieldInNearestVolumes)
   EXPECT_TRUE(messages.errors.empty());
 }
 
+TEST_F(MapperSettingsTest, planesBetweenWhichNothingIsAreSaid)
+{
+  MessageCounter messages(volumeMapper_);
+  volumeMapper_->CroppingOn();
+  volumeMapper_->SetCroppingRegionPlanes(0., 1., 0., 1., 0., 1.);
+  const auto shown = scene_.render();
+  EXPECT_TRUE(messages.warnings.empty());
+  for (const double upper : { 0., -1. })
+  {
+    messages.warnings.clear();
+    volumeMapper_->SetCroppingRegionPlanes(0., 1., 0., 1., 0., 1.);
+    scene_.render();
+    volumeMapper_->SetCroppingRegionPlanes(0., 1., 0., upper, 0., 1.);
+    EXPECT_NE(scene_.render(), shown) << upper;
+    scene_.render();
+    ASSERT_EQ(messages.warnings.size(), 1u) << upper;
+    EXPECT_NE(messages.warnings[0].find("CroppingRegionPlanes"), std::string::npos) << messages.warnings[0];
+  }
+  EXPECT_TRUE(messages.errors.empty());
+}
+
 // A selection is made for whatever else there is, and passes through volumes without a word.
 TEST_F(MapperSettingsTest, selectionsPassThroughVolumes)
 {
