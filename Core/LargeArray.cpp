@@ -17,8 +17,12 @@ void* allocateLarge(std::size_t bytes)
   return memory;
 }
 
-void releaseLarge(void* memory) noexcept
+void releaseLarge(void* memory, std::size_t bytes) noexcept
 {
+#ifdef __linux__
+  madvise(memory, bytes / largePage * largePage, MADV_DONTNEED);
+#endif
+  static_cast<void>(bytes);
   ::operator delete(memory, std::align_val_t(largePage));
 }
 

@@ -21,7 +21,8 @@ constexpr std::size_t largeArrayBytes = 2 * largePage;
 
 /// From operator new, on large pages; bytes: largeArrayBytes or more. Throws std::bad_alloc.
 void* allocateLarge(std::size_t bytes);
-void releaseLarge(void* memory) noexcept;
+/// The pages go back to the system, wherever operator new has found them: C's library keeps those between others' blocks.
+void releaseLarge(void* memory, std::size_t bytes) noexcept;
 
 /// As std::allocator, for arrays that may be large.
 template <class T>
@@ -42,7 +43,7 @@ struct LargeAllocator
   }
   void deallocate(T* memory, std::size_t count) noexcept
   {
-    isLarge(count) ? releaseLarge(memory) : std::allocator<T>().deallocate(memory, count);
+    isLarge(count) ? releaseLarge(memory, count * sizeof(T)) : std::allocator<T>().deallocate(memory, count);
   }
   bool operator==(const LargeAllocator&) const noexcept { return true; }
 

@@ -15,13 +15,18 @@ namespace treeamr
 namespace
 {
 
-/// What is sent of a pixel that has been given away: no ray has less than no red, and none goes on from no light.
+/// What is sent of a pixel that has been given away: no ray has less than no red, none goes on from no light, and what is no
+/// colour yet ends with 0.
 constexpr std::array<float, 4> givenAway{ -1.f, 0.f, 0.f, 1.f };
 
-bool isGivenAway(const float* rgba) noexcept
+/// Until others have sent something: they may need the processor.
+void rest()
 {
-  return rgba[0] < 0.f;
+  std::this_thread::sleep_for(std::chrono::microseconds(50));
 }
+
+/// With its number.
+constexpr std::size_t floatsOfRun = 1 + 4 * TileRun::tileWidth * TileRun::tileWidth * TileRun::mostTiles;
 
 constexpr int tilesOf(int pixels) noexcept
 {
@@ -29,7 +34,7 @@ constexpr int tilesOf(int pixels) noexcept
 }
 
 /// In numbers that floats have.
-std::array<float, 4> keyOf(const Camera& camera)
+std::array<float, 4> keyOf(const Camera& camera, std::span<const double> alike)
 {
   std::uint64_t hash = 14695981039346656037u; // Fowler, Noll and Vo
   const auto add = [&](std::uint64_t bits) {
@@ -38,12 +43,16 @@ std::array<float, 4> keyOf(const Camera& camera)
       hash = (hash ^ (bits >> 8 * byte & 0xff)) * 1099511628211u;
     }
   };
-  for (const double element : camera.clipFromData())
-  {
-    std::uint64_t bits;
-    std::memcpy(&bits, &element, sizeof(bits));
-    add(bits);
-  }
+  const auto addAll = [&](std::span<const double> numbers) {
+    for (const double number : numbers)
+    {
+      std::uint64_t bits;
+      std::memcpy(&bits, &number, sizeof(bits));
+      add(bits);
+    }
+  };
+  addAll(camera.clipFromData());
+  addAll(alike);
   add(static_cast<std::uint64_t>(camera.width()) << 32 | static_cast<std::uint64_t>(camera.height()));
   std::array<float, 4> key;
   for (int part = 0; part < 4; ++part)
@@ -87,30 +96,43 @@ BoxRelay::BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid
 
 BoxRelay::~BoxRelay()
 {
-  if (hasBegun_)
+  try
   {
-    this->agree(true); // a process that is done leaves the processor to the others
+    if (hasBegun_)
+    {
+      this->end(false);
+    }
+  }
+  catch (...)
+  {
+    // The processes can no longer reach each other.
   }
 }
 
-bool BoxRelay::begin(bool can)
+bool BoxRelay::begin(bool can, std::span<const double> alike)
 {
   if (boxes_.size() < 2 || own_ == boxes_.size())
   {
     return false;
   }
-  hasBegun_ = this->agree(can);
+  if (can) // what takes much memory, while others can still do without this process
+  {
+    isLast_.assign(image_.rgba.size() / 4, 0);
+    runs_.assign(static_cast<std::size_t>(runsInRow_) * rows_, RunState::None);
+    message_.reserve(floatsOfRun);
+  }
+  hasBegun_ = this->agree(can, alike);
   if (hasBegun_)
   {
-    this->findLast();
+    this->start();
   }
   return hasBegun_;
 }
 
 /// In steps of 1, 2, 4 ... processes: each tells another one what all before it have told.
-bool BoxRelay::agree(bool can)
+bool BoxRelay::agree(bool can, std::span<const double> alike)
 {
-  std::array<float, 4> least = keyOf(camera_);
+  std::array<float, 4> least = keyOf(camera_, alike);
   std::array<float, 4> most = least;
   bool all = can;
   const std::size_t count = boxes_.size();
@@ -123,7 +145,7 @@ bool BoxRelay::agree(bool can)
     const int from = boxes_[(own_ + count - step) % count].peer;
     while (peers_.receive(from, BoxPeers::Channel::Agreement, numbers) == BoxPeers::anyone)
     {
-      std::this_thread::sleep_for(std::chrono::microseconds(50));
+      rest();
     }
     std::array<float, 4> other;
     all = all && numbers[0] == 1.f;
@@ -171,9 +193,22 @@ void BoxRelay::forEachPixel(const TileRun& run, const Use& use)
   }
 }
 
+void BoxRelay::start()
+{
+  for (int number = 0; number < runsInRow_ * rows_; ++number)
+  {
+    const TileRun run = runOf(number);
+    if (boxes_[own_].overlaps(run))
+    {
+      const bool isFirst = neighbour(run, -1) == BoxPeers::anyone;
+      runs_[number] = isFirst ? RunState::Open : RunState::Awaited;
+      awaited_ += isFirst ? 0 : 1;
+    }
+  }
+}
+
 void BoxRelay::findLast()
 {
-  isLast_.assign(image_.rgba.size() / 4, 0);
   tbb::parallel_for(0, runsInRow_ * rows_, [this](int number) {
     const TileRun run = runOf(number);
     if (!boxes_[own_].overlaps(run))
@@ -200,42 +235,66 @@ bool BoxRelay::collect(std::vector<TileRun>& ready)
   if (!hasStarted_)
   {
     hasStarted_ = true;
+    this->findLast();
     for (int number = 0; number < runsInRow_ * rows_; ++number)
     {
-      const TileRun run = runOf(number);
-      if (boxes_[own_].overlaps(run))
+      if (runs_[number] == RunState::Open)
       {
-        neighbour(run, -1) == BoxPeers::anyone ? ready.push_back(run) : static_cast<void>(++awaited_);
+        ready.push_back(runOf(number));
       }
     }
   }
-  std::vector<float> numbers;
-  while (
-    awaited_ > 0 && peers_.receive(BoxPeers::anyone, BoxPeers::Channel::Tiles, numbers) != BoxPeers::anyone)
+  while (awaited_ > 0 && this->receive(ready))
   {
-    this->take(numbers, ready);
   }
   return awaited_ > 0;
 }
 
-void BoxRelay::take(const std::vector<float>& numbers, std::vector<TileRun>& ready)
+bool BoxRelay::receive(std::vector<TileRun>& ready)
 {
-  const TileRun run = runOf(static_cast<int>(numbers.front()));
-  const float* rgba = numbers.data() + 1;
+  const int sender = peers_.receive(BoxPeers::anyone, BoxPeers::Channel::Tiles, message_);
+  if (sender == BoxPeers::anyone)
+  {
+    return false;
+  }
+  if (message_.size() > 1)
+  {
+    this->take(runOf(static_cast<int>(message_.front())), message_.data() + 1, ready);
+    return true;
+  }
+  for (std::size_t number = 0; number < runs_.size(); ++number) // it gives up
+  {
+    if (const TileRun run = runOf(static_cast<int>(number));
+        runs_[number] == RunState::Awaited && neighbour(run, -1) == sender)
+    {
+      this->take(run, nullptr, ready);
+    }
+  }
+  return true;
+}
+
+/// rgba: null for nothing.
+void BoxRelay::take(const TileRun& run, const float* rgba, std::vector<TileRun>& ready)
+{
   forEachPixel(run, [&](int, int, std::size_t pixel) {
-    std::copy_n(rgba, 4, &image_.rgba[4 * pixel]);
-    rgba += 4;
+    if (rgba)
+    {
+      std::copy_n(rgba, 4, &image_.rgba[4 * pixel]);
+      rgba += 4;
+    }
   });
-  ready.push_back(run);
+  runs_[numberOf(run)] = RunState::Open;
   --awaited_;
+  ready.push_back(run);
 }
 
 void BoxRelay::finish(const TileRun& run)
 {
   std::vector<float> numbers{ static_cast<float>(numberOf(run)) };
+  numbers.reserve(floatsOfRun);
   forEachPixel(run, [&](int, int, std::size_t pixel) {
     float* const rgba = &image_.rgba[4 * pixel];
-    const bool isGiven = isGivenAway(rgba);
+    const bool isGiven = show_ ? rgba[3] > 0.f : rgba[0] < 0.f;
     const bool gives = !isGiven && (isLast_[pixel] || (endDepth_ && endDepth_[pixel] < 1.f));
     const float* const goesOn = isGiven || gives ? givenAway.data() : rgba;
     numbers.insert(numbers.end(), goesOn, goesOn + 4);
@@ -243,12 +302,64 @@ void BoxRelay::finish(const TileRun& run)
     {
       std::fill_n(rgba, 4, 0.f);
     }
+    else if (show_)
+    {
+      show_(rgba);
+    }
   });
   const int next = neighbour(run, 1);
   if (next != BoxPeers::anyone)
   {
     peers_.send(next, BoxPeers::Channel::Tiles, std::move(numbers));
   }
+  runs_[numberOf(run)] = RunState::None;
+}
+
+void BoxRelay::clear(const TileRun& run)
+{
+  forEachPixel(run, [&](int, int, std::size_t pixel) { std::fill_n(&image_.rgba[4 * pixel], 4, 0.f); });
+}
+
+void BoxRelay::giveUp()
+{
+  std::vector<int> waiting;
+  for (std::size_t number = 0; number < runs_.size(); ++number)
+  {
+    if (runs_[number] != RunState::None)
+    {
+      const TileRun run = runOf(static_cast<int>(number));
+      clear(run);
+      const int next = neighbour(run, 1);
+      if (next != BoxPeers::anyone && std::find(waiting.begin(), waiting.end(), next) == waiting.end())
+      {
+        waiting.push_back(next);
+      }
+    }
+  }
+  for (const int peer : waiting)
+  {
+    peers_.send(peer, BoxPeers::Channel::Tiles, { -1.f });
+  }
+  // What comes for this frame must not be there in the next one.
+  std::vector<TileRun> ready;
+  while (awaited_ > 0)
+  {
+    if (!this->receive(ready))
+    {
+      rest();
+    }
+  }
+  for (const TileRun& run : ready)
+  {
+    clear(run);
+  }
+  std::fill(runs_.begin(), runs_.end(), RunState::None);
+}
+
+bool BoxRelay::end(bool hasFailed)
+{
+  hasBegun_ = false;
+  return this->agree(!hasFailed, {}); // a process that is done leaves the processor to the others
 }
 
 } // namespace treeamr

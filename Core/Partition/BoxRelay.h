@@ -10,6 +10,7 @@
 #include "Volume/TileRelay.h"
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace treeamr
@@ -27,9 +28,14 @@ public:
   BoxRelay(const BoxRelay&) = delete;
   BoxRelay& operator=(const BoxRelay&) = delete;
 
-  /// Whether all that see something of their boxes can, and see the same: else each draws by itself. Waits for all, and so
-  /// does the end of what has begun. Once.
-  bool begin(bool can);
+  /// Whether all that see something of their boxes can, see the same, and have the same numbers in `alike`: else each draws
+  /// by itself. Waits for all. Once.
+  bool begin(bool can, std::span<const double> alike = {});
+  bool hasBegun() const noexcept { return hasBegun_; } // and not ended
+  /// This process has failed, or is to stop: nobody waits for what it has not finished, of which it shows nothing.
+  void giveUp();
+  /// Waits for all, of what has begun; the destructor does, where nobody has. Whether none has failed. Once.
+  bool end(bool hasFailed);
 
   bool collect(std::vector<TileRun>& ready) override;
   void finish(const TileRun& run) override;
@@ -46,9 +52,13 @@ private:
   int neighbour(const TileRun& run, int step) const noexcept;
   TileRun runOf(int number) const noexcept;
   int numberOf(const TileRun& run) const noexcept;
-  bool agree(bool can);
+  bool agree(bool can, std::span<const double> alike);
   void findLast();
-  void take(const std::vector<float>& numbers, std::vector<TileRun>& ready);
+  void start();
+  /// Takes what has come; false: nothing has.
+  bool receive(std::vector<TileRun>& ready);
+  void take(const TileRun& run, const float* rgba, std::vector<TileRun>& ready);
+  void clear(const TileRun& run);
   template <class Use>
   void forEachPixel(const TileRun& run, const Use& use);
 
@@ -60,9 +70,17 @@ private:
   std::size_t own_;        // of these; their number: this process sees nothing
   int runsInRow_;
   int rows_; // of tiles
-  bool hasBegun_ = false;
-  bool hasStarted_ = false;           // collecting
-  std::size_t awaited_ = 0;           // runs
+  bool hasBegun_ = false; // and not ended
+  enum class RunState : unsigned char
+  {
+    None, // of this box, or finished
+    Awaited,
+    Open
+  };
+  bool hasStarted_ = false;    // collecting
+  std::vector<RunState> runs_; // by number
+  std::size_t awaited_ = 0;
+  std::vector<float> message_;
   std::vector<unsigned char> isLast_; // by pixel: no other box follows on its ray
 };
 

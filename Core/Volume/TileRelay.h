@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace treeamr
@@ -27,10 +28,16 @@ public:
   virtual bool collect(std::vector<TileRun>& ready) = 0;
   /// Of a run: the image has what it becomes.
   virtual void finish(const TileRun& run) = 0;
+  /// What the image has of a ray is not a colour, but becomes one by this where no box follows. Of such the fourth number
+  /// is 0. Before the first call of collect().
+  void showBy(std::function<void(float* rgba)> show) { show_ = std::move(show); }
+
+protected:
+  std::function<void(float*)> show_; // none: colours
 };
 
 /// Renders what the relay collects, on all threads of TBB's arena, until there is no more. After an exception of render()
-/// what is left goes as it came, so that nobody waits for it; then it is thrown.
+/// what is left goes as it came, so that nobody waits for it; then it is thrown. After one of the relay's, others may wait.
 void relayTiles(TileRelay& relay, const std::function<void(const TileRun&)>& render);
 
 } // namespace treeamr

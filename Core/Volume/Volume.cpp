@@ -447,12 +447,12 @@ VolumeStatistics Volume::render(
   const RayView& view, const VolumeSettings& settings, Image& image, TileRelay& relay)
 {
   checkVolume(view.camera, image);
-  if (blendsValues(settings.blend))
-  {
-    throw Error("volume: a blend of values that goes on from other boxes' pixels, which are of colours");
-  }
   VolumeKernelScene scene = makeScene(view, settings, &image);
   scene.goesOn = true;
+  if (blendsValues(settings.blend))
+  {
+    relay.showBy([&scene](float* rgba) { showBlend(scene, rgba); });
+  }
   const VolumeLoops loops = volumeLoops(scene.features);
   tbb::combinable<VolumeStatistics> statistics;
   if (view.progress)

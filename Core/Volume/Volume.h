@@ -106,8 +106,9 @@ public:
   VolumeStatistics render(const RayView& view, const VolumeSettings& settings, Image& image);
 
   /// The same of an image that other boxes of the domain have a part in: rays go on from what it has of them, with the
-  /// light that is left, in each tile once the relay has collected it. Throws Error as render() and for blends of values:
-  /// before it has collected anything, or when all is finished.
+  /// light that is left or, of blends of values, with what these have come to, in each tile once the relay has collected
+  /// it. Throws Error as render(), and what the relay throws: before it has collected anything, or when what it has collected is
+  /// finished.
   VolumeStatistics render(
     const RayView& view, const VolumeSettings& settings, Image& image, TileRelay& relay);
 

@@ -21,6 +21,7 @@
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <optional>
@@ -283,7 +284,11 @@ void vtkTreeAMRVolumeMapper::Composite(
     const bool canRelay = picture.Relay && picture.IsWhole && part.isWhole() &&
       image.width == picture.Viewport.Width && image.height == picture.Viewport.Height &&
       internals.CurrentFrame.SquaredError < 0.;
-    treeamr::BoxRelay* const relay = canRelay ? picture.Relay->begin(camera, stops.endDepth, image) : nullptr;
+    const treeamr::Field& field = internals.Volume->field();
+    const std::array<double, 4> alike{ field.range().min, field.range().max, field.offset(),
+      static_cast<double>(internals.Effects.blend) }; // what values are told in
+    treeamr::BoxRelay* const relay =
+      canRelay ? picture.Relay->begin(camera, stops.endDepth, image, alike) : nullptr;
     try
     {
       this->CastRays(
@@ -294,7 +299,7 @@ void vtkTreeAMRVolumeMapper::Composite(
     {
       if (relay)
       {
-        picture.Relay->finishWithout();
+        picture.Relay->giveUp(false);
       }
       throw;
     }
@@ -304,7 +309,7 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     if (relay)
     {
-      picture.Relay->finishWithout();
+      picture.Relay->giveUp(true);
       return;
     }
   }
@@ -525,6 +530,7 @@ void vtkTreeAMRVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume)
     treeamr::VolumeRelay relay(
       isFirst ? this->Private->Peers.get() : nullptr, this->GetHyperTreeGrid(), renderer, volume);
     isRound = watch.canDraw() && this->RenderVolume(renderer, volume, relay, watch.progress());
+    relay.end();
   }
   catch (const treeamr::Interrupted&)
   {

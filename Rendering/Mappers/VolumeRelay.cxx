@@ -5,6 +5,8 @@
 #include "SceneConversion.h"
 #include "vtkTreeAMRTarget.h"
 
+#include "Error.h"
+
 #include "vtkBoundingBox.h"
 #include "vtkHyperTreeGrid.h"
 #include "vtkVolume.h"
@@ -26,13 +28,17 @@ VolumeRelay::~VolumeRelay()
 {
   try
   {
-    this->finishWithout();
+    if (relay_ && relay_->hasBegun())
+    {
+      relay_->end(hasFailed_);
+    }
+    relay_.reset();
     if (peers_)
     {
       const vtkTreeAMRViewport viewport = vtkTreeAMRTarget::GetViewport(renderer_);
       const Camera camera(clipFromData(renderer_, volume_), viewport.Width, viewport.Height);
-      Image image(viewport.Width, viewport.Height);
-      this->make(camera, nullptr, image);
+      Image nothing(0, 0); // it may be memory that is short
+      this->make(camera, nullptr, nothing);
       relay_->begin(false);
       relay_.reset();
     }
@@ -43,26 +49,42 @@ VolumeRelay::~VolumeRelay()
   }
 }
 
-BoxRelay* VolumeRelay::begin(const Camera& camera, const float* endDepth, Image& image)
+BoxRelay* VolumeRelay::begin(
+  const Camera& camera, const float* endDepth, Image& image, std::span<const double> alike)
 {
   if (!peers_)
   {
     return nullptr;
   }
   this->make(camera, endDepth, image);
+  const bool hasBegun = relay_->begin(true, alike);
   peers_ = nullptr;
-  if (!relay_->begin(true))
+  if (!hasBegun)
   {
     relay_.reset();
   }
   return relay_ ? &*relay_ : nullptr;
 }
 
-void VolumeRelay::finishWithout()
+void VolumeRelay::giveUp(bool hasFailed)
 {
   if (relay_)
   {
-    relayTiles(*relay_, [](const TileRun&) {});
+    hasFailed_ = hasFailed_ || hasFailed;
+    relay_->giveUp();
+  }
+}
+
+void VolumeRelay::end()
+{
+  if (relay_)
+  {
+    const bool haveAll = relay_->end(hasFailed_);
+    relay_.reset();
+    if (!haveAll && !hasFailed_)
+    {
+      throw Error("volume mapper: another process has failed, the picture lacks its part");
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 class vtkHyperTreeGrid;
 class vtkRenderer;
@@ -24,11 +25,14 @@ public:
   VolumeRelay(const VolumeRelay&) = delete;
   VolumeRelay& operator=(const VolumeRelay&) = delete;
 
-  /// When this process can: null unless all can. camera: of all of the viewport's pixels. endDepth and the image must last
-  /// until all is finished.
-  BoxRelay* begin(const Camera& camera, const float* endDepth, Image& image);
-  /// What came of others goes on as it is.
-  void finishWithout();
+  /// When this process can: null unless all can, and have the same numbers in `alike`. camera: of all of the viewport's
+  /// pixels. endDepth and the image must last until all is finished.
+  BoxRelay* begin(
+    const Camera& camera, const float* endDepth, Image& image, std::span<const double> alike);
+  /// Where this process draws no more of what has begun: others go on without.
+  void giveUp(bool hasFailed);
+  /// When all is drawn, or the destructor does: throws Error when another process has failed.
+  void end();
 
 private:
   void make(const Camera& camera, const float* endDepth, Image& image);
@@ -38,6 +42,7 @@ private:
   vtkRenderer* renderer_;
   vtkVolume* volume_;
   std::optional<BoxRelay> relay_; // that has begun
+  bool hasFailed_ = false;        // this process, once it has begun
 };
 
 /// Adds the box of the domain that a process draws, in which others' pixels come to it.

@@ -11,11 +11,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <new>
 #include <random>
 #include <stdexcept>
 #include <thread>
@@ -470,16 +472,210 @@ TEST(BoxRelay, OneBoxOrNoneThatIsSeenHasNobodyToAsk)
   }
 }
 
-TEST(BoxRelay, BlendsOfValuesAreRefused)
+TEST(BoxRelay, BlendsOfValuesTogetherAreTheWhole)
 {
   const Domain domain;
+  for (const VolumeBlend blend :
+    { VolumeBlend::Maximum, VolumeBlend::Minimum, VolumeBlend::Average, VolumeBlend::Additive })
+  {
+    const bool isExtreme = blend == VolumeBlend::Maximum || blend == VolumeBlend::Minimum;
+    VolumeSettings settings = fine();
+    settings.blend = blend;
+    settings.unitDistance = 20.; // sums are neither black nor white
+    settings.averageRange = { 0.2f, 0.9f };
+    for (const int parts : { 2, 3, 8 })
+    {
+      const std::vector<LatticeBox> boxes = domain.cut(parts);
+      for (const View& view : views())
+      {
+        for (const bool hasOpaque : { false, true })
+        {
+          const Camera camera(view.clip, width, height);
+          const std::vector<float> depths =
+            hasOpaque ? randomDepths(camera, domain.grid.bounds()) : std::vector<float>();
+          Image whole(width, height);
+          renderVolume(*domain.field, smooth(), camera,
+            RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr), settings, whole);
+          Mailbox mailbox;
+          const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
+            Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
+            const Bounds box = boxes[own].bounds(domain.grid);
+            const std::vector<float> ownDepths =
+              hasOpaque ? depthsIn(box, domain.grid.bounds(), camera, depths) : depths;
+            RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
+            stops.cut.addBox(box);
+            BoxRelay relay(boxes, own, domain.grid, peers, camera, stops.endDepth, image);
+            if (relay.begin(true))
+            {
+              volumeOf(*domain.field, smooth()).render({ camera, stops }, settings, image, relay);
+            }
+          });
+          EXPECT_LT(largestDifference(together(images), whole), isExtreme ? 1e-5f : 2e-3f)
+            << static_cast<int>(blend) << ", " << parts << " boxes, " << view.name
+            << (hasOpaque ? ", opaque" : "");
+          EXPECT_TRUE(mailbox.isEmpty());
+        }
+      }
+    }
+  }
+}
+
+namespace
+{
+
+/// Whose memory is used up after some messages of tiles.
+class FailingPeers : public Peers
+{
+public:
+  enum class Way
+  {
+    Sending,
+    Receiving
+  };
+
+  FailingPeers(Mailbox& mailbox, int own, std::vector<bool> drawing, Way way, int messages)
+    : Peers(mailbox, own, std::move(drawing))
+    , way_(way)
+    , left_(messages)
+  {
+  }
+  void send(int peer, Channel channel, std::vector<float> numbers) override
+  {
+    constexpr std::size_t fits = 16;
+    if (way_ == Way::Sending && channel == Channel::Tiles && numbers.size() > fits)
+    {
+      count();
+    }
+    Peers::send(peer, channel, std::move(numbers));
+  }
+  int receive(int peer, Channel channel, std::vector<float>& numbers) override
+  {
+    if (way_ == Way::Receiving && channel == Channel::Tiles && !hasFailed)
+    {
+      count();
+    }
+    return Peers::receive(peer, channel, numbers);
+  }
+
+  bool hasFailed = false;
+
+private:
+  void count()
+  {
+    if (left_-- <= 0)
+    {
+      hasFailed = true;
+      throw std::bad_alloc();
+    }
+  }
+
+  Way way_;
+  int left_;
+};
+
+} // namespace
+
+TEST(BoxRelay, WhoFailsWithinAMessageIsToldOfByAll)
+{
+  const Domain domain;
+  const std::vector<LatticeBox> boxes = domain.cut(4);
   const Camera camera(views().front().clip, width, height);
-  Mailbox mailbox;
-  Peers peers(mailbox, 0, { true, true });
-  Image image(width, height);
-  BoxRelay relay(domain.cut(2), 0, domain.grid, peers, camera, nullptr, image);
-  VolumeSettings settings;
-  settings.blend = VolumeBlend::Maximum;
-  Volume volume = volumeOf(*domain.field, smooth());
-  EXPECT_THROW(volume.render(camera, settings, image, relay), Error);
+  Image whole(width, height);
+  renderVolume(*domain.field, smooth(), camera, {}, fine(), whole);
+  int failures = 0;
+  for (int failing = 0; failing < 4; ++failing)
+  {
+    const BoxFootprint footprint(boxes[failing].bounds(domain.grid), camera);
+    for (const FailingPeers::Way way : { FailingPeers::Way::Sending, FailingPeers::Way::Receiving })
+    {
+      for (const int messages : { 0, 1, 3 })
+      {
+        Mailbox mailbox;
+        std::array<bool, 4> have{};
+        bool hasFailed = false;
+        const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
+          const std::vector<bool> drawing(boxes.size(), true);
+          FailingPeers peers(mailbox, own, drawing, way, own == failing ? messages : 1 << 30);
+          RayStops stops;
+          stops.cut.addBox(boxes[own].bounds(domain.grid));
+          BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
+          ASSERT_TRUE(relay.begin(true));
+          try
+          {
+            volumeOf(*domain.field, smooth()).render({ camera, stops }, fine(), image, relay);
+          }
+          catch (const std::bad_alloc&)
+          {
+            relay.giveUp();
+          }
+          if (own == failing)
+          {
+            hasFailed = peers.hasFailed;
+          }
+          have[own] = relay.end(peers.hasFailed);
+        });
+        // The last box sends nothing, the first one waits for nothing.
+        EXPECT_EQ(std::ranges::count(have, !hasFailed), 4);
+        EXPECT_TRUE(mailbox.isEmpty());
+        failures += hasFailed;
+        const Image all = together(images);
+        for (int pixel = 0; pixel < width * height; ++pixel)
+        {
+          const int x = pixel % width;
+          const int y = pixel / width;
+          const TileRun run{ y / TileRun::tileWidth, x / 64 * 4, x / 64 * 4 + 4 };
+          const bool isPast = hasFailed && footprint.left() < run.columnEnd * 16 &&
+            footprint.right() > run.columnBegin * 16 && footprint.lower() < (run.row + 1) * 16 &&
+            footprint.upper() > run.row * 16;
+          for (int c = 0; c < 4 && !isPast; ++c)
+          {
+            EXPECT_NEAR(all.rgba[4 * pixel + c], whole.rgba[4 * pixel + c], tolerance);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GE(failures, 12);
+}
+
+TEST(BoxRelay, WhoGivesUpBeforeItHasCollectedAnythingKeepsNobodyWaiting)
+{
+  const Domain domain;
+  const std::vector<LatticeBox> boxes = domain.cut(4);
+  const Camera camera(views().front().clip, width, height);
+  for (int stopping = 0; stopping < 4; ++stopping)
+  {
+    Mailbox mailbox;
+    const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
+      Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
+      BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
+      ASSERT_TRUE(relay.begin(true));
+      own == stopping ? relay.giveUp() : relayTiles(relay, [](const TileRun&) {});
+      EXPECT_TRUE(relay.end(false));
+    });
+    EXPECT_TRUE(mailbox.isEmpty());
+    EXPECT_TRUE(std::ranges::all_of(images[stopping].rgba, [](float x) { return x == 0.f; }));
+  }
+}
+
+TEST(BoxRelay, BeginsWhereAllTellValuesAlike)
+{
+  const Domain domain;
+  const std::vector<LatticeBox> boxes = domain.cut(3);
+  const Camera camera(views().front().clip, width, height);
+  for (int odd = -1; odd < 3; ++odd)
+  {
+    Mailbox mailbox;
+    drawAll(boxes.size(), [&](int own, Image& image) {
+      Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
+      BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
+      const std::array<double, 2> range{ 0., own == odd ? std::nextafter(1., 2.) : 1. };
+      EXPECT_EQ(relay.begin(true, range), odd < 0);
+      if (odd < 0)
+      {
+        relayTiles(relay, [](const TileRun&) {});
+      }
+    });
+    EXPECT_TRUE(mailbox.isEmpty());
+  }
 }

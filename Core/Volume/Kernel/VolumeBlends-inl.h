@@ -32,12 +32,6 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-/// Opacity over a unit distance.
-inline double opacityOf(const VolumeKernelScene& scene, double extinction)
-{
-  return -std::expm1(-extinction * scene.settings.unitDistance);
-}
-
 template <class Real, VolumeLoop Loop>
 class RayBlends;
 
@@ -112,6 +106,14 @@ public:
   }
 
   void start() noexcept { std::fill_n(most_, tileRays, nothing); }
+  /// With what rays have (showBlend()).
+  void start(const Real* places, const Real* areThere) noexcept
+  {
+    for (int ray = 0; ray < tileRays; ++ray)
+    {
+      most_[ray] = areThere[ray] != 0 ? places[ray] : nothing;
+    }
+  }
 
   NodeQueue<WaitingNode<Real>>& queue() noexcept { return queue_; }
 
@@ -206,13 +208,15 @@ public:
     if (most_[ray] != last_) // many have the most that there is
     {
       last_ = most_[ray];
-      const double value = scene_.placeOrigin + (scene_.perValue != 0. ? last_ / scene_.perValue : 0.);
-      const TransferFunction::Entry entry = scene_.transferFunction.at(static_cast<float>(value));
-      const double opacity = opacityOf(scene_, entry.extinction);
-      result_ = { static_cast<Real>(opacity * entry.r), static_cast<Real>(opacity * entry.g),
-        static_cast<Real>(opacity * entry.b), static_cast<Real>(opacity) };
+      const std::array<double, 4> color = colorOfExtreme(scene_, last_);
+      std::copy(color.begin(), color.end(), result_.begin());
     }
     return last_ == nothing ? std::array<Real, 4>{} : result_;
+  }
+  /// As showBlend() takes it.
+  std::array<Real, 4> unfinished(int ray, bool /*crosses*/) const
+  {
+    return most_[ray] == nothing ? std::array<Real, 4>{} : std::array<Real, 4>{ most_[ray], 1, 0, 0 };
   }
 
 private:
@@ -264,7 +268,6 @@ class RayBlends<Real, VolumeLoop::Sum>
 public:
   explicit RayBlends(const VolumeKernelScene& scene)
     : scene_(scene)
-    , isAverage_(scene.settings.blend == VolumeBlend::Average)
     , entries_(&scene.table.entries.data()->r)
   {
     // Places are of the field, the table's entries of the function.
@@ -281,14 +284,21 @@ public:
                                                                    : std::copysign(far, difference);
       return static_cast<Real>(std::clamp(place, -far, far));
     };
-    firstCounted_ = isAverage_ ? placeOf(scene.settings.averageRange.min) : static_cast<Real>(-far);
-    lastCounted_ = isAverage_ ? placeOf(scene.settings.averageRange.max) : static_cast<Real>(far);
+    const bool isAverage = scene.settings.blend == VolumeBlend::Average;
+    firstCounted_ = isAverage ? placeOf(scene.settings.averageRange.min) : static_cast<Real>(-far);
+    lastCounted_ = isAverage ? placeOf(scene.settings.averageRange.max) : static_cast<Real>(far);
   }
 
   void start() noexcept
   {
     std::fill_n(sum_, tileRays, Real(0));
     std::fill_n(length_, tileRays, Real(0));
+  }
+  /// With what rays have (showBlend()).
+  void start(const Real* sums, const Real* lengths) noexcept
+  {
+    std::copy_n(sums, tileRays, sum_);
+    std::copy_n(lengths, tileRays, length_);
   }
 
   /// Takes the rays from `ray` on through the steps of a span, the most of any ray: in each the field is taken for
@@ -349,33 +359,21 @@ public:
   /// crosses: whether any of the ray is in the domain.
   std::array<Real, 4> result(int ray, bool crosses) const
   {
-    double grey = 0.;
-    if (isAverage_)
-    {
-      if (!(length_[ray] > 0))
-      {
-        return {};
-      }
-      grey = sum_[ray] / length_[ray];
-    }
-    else
-    {
-      if (!crosses)
-      {
-        return {};
-      }
-      grey = sum_[ray] * diagonal() / scene_.settings.unitDistance;
-    }
-    const auto clamped = static_cast<Real>(std::clamp(grey, 0., 1.));
-    return { clamped, clamped, clamped, 1 };
+    const std::array<double, 4> color = colorOfSum(scene_, sum_[ray], length_[ray], crosses);
+    std::array<Real, 4> result;
+    std::copy(color.begin(), color.end(), result.begin());
+    return result;
+  }
+  /// As showBlend() takes it.
+  std::array<Real, 4> unfinished(int ray, bool crosses) const
+  {
+    return { sum_[ray], length_[ray], static_cast<Real>(crosses), 0 };
   }
 
 private:
-  double diagonal() const noexcept { return diagonalOf(scene_.field.octree().grid().bounds()); }
   Real depthOfUnit() const noexcept { return static_cast<Real>(scene_.unitDepth); }
 
   const VolumeKernelScene& scene_;
-  bool isAverage_;
   const float* entries_;
   Real perEntry_; // entries for a place
   Real firstEntry_;

@@ -120,7 +120,14 @@ public:
         hn::StoreMaskBits(d, crosses, bits);
         for (int i = 0; i < lanes<Real>; ++i)
         {
-          const std::array<Real, 4> rgba = blends_.result(ray + i, bits[i / 8] >> i % 8 & 1);
+          const bool isIn = bits[i / 8] >> i % 8 & 1;
+          if (scene_.goesOn && opacity_[ray + i] > 0) // another process has shown it
+          {
+            continue;
+          }
+          const std::array<Real, 4> rgba = scene_.goesOn
+            ? blends_.unfinished(ray + i, isIn || blue_[ray + i] > 0)
+            : blends_.result(ray + i, isIn);
           red_[ray + i] = rgba[0];
           green_[ray + i] = rgba[1];
           blue_[ray + i] = rgba[2];

@@ -226,6 +226,17 @@ private:
   bool resolves() const;
 };
 
+///@{
+/// What is shown of a ray with this extreme place, or with these sums of opacity times place and of lengths: colour times
+/// opacity, and opacity. crosses: whether any of the ray is in the domain.
+std::array<double, 4> colorOfExtreme(const VolumeKernelScene& scene, double place) noexcept;
+std::array<double, 4> colorOfSum(
+  const VolumeKernelScene& scene, double sum, double length, bool crosses) noexcept;
+///@}
+/// Makes these of what a blend of values that goes on leaves in an image's pixel: of extremes the place and whether there is
+/// one, of sums both and whether the ray crosses the domain; the last number is 0.
+void showBlend(const VolumeKernelScene& scene, float* rgba) noexcept;
+
 /// What the transfer function does in a hull, per kernel unit.
 struct HullTerms
 {

@@ -401,4 +401,40 @@ void VolumeKernelScene::measurePixels()
   pixelGrowth = growth / scale;
 }
 
+std::array<double, 4> colorOfExtreme(const VolumeKernelScene& scene, double place) noexcept
+{
+  const double value = scene.placeOrigin + (scene.perValue != 0. ? place / scene.perValue : 0.);
+  const TransferFunction::Entry entry = scene.transferFunction.at(static_cast<float>(value));
+  const double opacity = -std::expm1(-static_cast<double>(entry.extinction) * scene.settings.unitDistance);
+  return { opacity * entry.r, opacity * entry.g, opacity * entry.b, opacity };
+}
+
+std::array<double, 4> colorOfSum(
+  const VolumeKernelScene& scene, double sum, double length, bool crosses) noexcept
+{
+  const bool isAverage = scene.settings.blend == VolumeBlend::Average;
+  if (isAverage ? !(length > 0.) : !crosses)
+  {
+    return {};
+  }
+  const double diagonal = diagonalOf(scene.field.octree().grid().bounds());
+  const double grey =
+    std::clamp(isAverage ? sum / length : sum * diagonal / scene.settings.unitDistance, 0., 1.);
+  return { grey, grey, grey, 1. };
+}
+
+void showBlend(const VolumeKernelScene& scene, float* rgba) noexcept
+{
+  std::array<double, 4> color{};
+  if (scene.features.loop == VolumeLoop::Sum)
+  {
+    color = colorOfSum(scene, rgba[0], rgba[1], rgba[2] != 0.f);
+  }
+  else if (rgba[1] != 0.f)
+  {
+    color = colorOfExtreme(scene, rgba[0]);
+  }
+  std::copy(color.begin(), color.end(), rgba);
+}
+
 } // namespace treeamr

@@ -136,7 +136,9 @@ private:
   using Rays::end_;
   using Rays::groupInTile;
   using Rays::makeRays;
+  using Rays::green_;
   using Rays::origin_;
+  using Rays::red_;
   using Rays::startAtReference;
   using Rays::store;
   using Rays::storeAll;
@@ -146,7 +148,7 @@ private:
     const GroupMask drawn = makeRays(x0, y0) & wanted;
     if constexpr (!isComposite)
     {
-      blends_.start();
+      scene_.goesOn ? blends_.start(red_, green_) : blends_.start();
     }
     walk(drawn);
     crossLastHits();
