@@ -5,6 +5,8 @@
 
 #include "vtkAOSDataArrayTemplate.h"
 
+#include <new>
+
 namespace treeamr
 {
 
@@ -20,7 +22,9 @@ void allocateTuples(vtkAOSDataArrayTemplate<T>* array, vtkIdType tuples)
   }
   array->SetArray(LargeAllocator<T>().allocate(count), static_cast<vtkIdType>(count), 0,
     vtkAbstractArray::VTK_DATA_ARRAY_USER_DEFINED);
-  array->SetArrayFreeFunction(releaseLarge);
+  // VTK does not tell how many bytes they are, which releaseLarge() wants to know.
+  array->SetArrayFreeFunction(
+    [](void* memory) { ::operator delete(memory, std::align_val_t(largePage)); });
 }
 
 } // namespace treeamr

@@ -3,6 +3,8 @@
 #include "vtkMultiProcessController.h"
 
 #if VTK_MODULE_ENABLE_VTK_ParallelMPI
+#include "Error.h"
+
 #include "vtkMPICommunicator.h"
 #include "vtkMPIController.h"
 #include "vtkSmartPointer.h"
@@ -38,8 +40,8 @@ public:
     this->Sent.remove_if([](Message& message) { return message.Request.Test() != 0; });
     Message& message = this->Sent.emplace_back();
     message.Numbers = std::move(numbers);
-    this->Controller->NoBlockSend(message.Numbers.data(), static_cast<int>(message.Numbers.size()), peer,
-      TagOf(channel), message.Request);
+    check(this->Controller->NoBlockSend(message.Numbers.data(), static_cast<int>(message.Numbers.size()), peer,
+      TagOf(channel), message.Request));
   }
 
   int receive(int peer, Channel channel, std::vector<float>& numbers) override
@@ -49,13 +51,13 @@ public:
     int sender = anyone;
     int size = 0;
     float type = 0.f; // tells it from others
-    this->Controller->Iprobe(from, TagOf(channel), &hasCome, &sender, &type, &size);
+    check(this->Controller->Iprobe(from, TagOf(channel), &hasCome, &sender, &type, &size));
     if (!hasCome)
     {
       return anyone;
     }
     numbers.resize(static_cast<std::size_t>(size));
-    this->Controller->Receive(numbers.data(), size, sender, TagOf(channel));
+    check(this->Controller->Receive(numbers.data(), size, sender, TagOf(channel)));
     return sender;
   }
 
@@ -65,6 +67,14 @@ private:
     std::vector<float> Numbers;
     vtkMPICommunicator::Request Request;
   };
+
+  static void check(int isDone)
+  {
+    if (!isDone)
+    {
+      throw treeamr::Error("messages between processes fail: MPI reports an error");
+    }
+  }
 
   /// That nobody else uses.
   static int TagOf(Channel channel)

@@ -12,8 +12,13 @@ from vtkmodules.vtkCommonCore import vtkCollection
 
 import scene
 
+# Of values along rays, whose results of all ranks are put together.
+BLENDS = {
+    "Maximum": "Maximum Intensity", "Minimum": "Minimum Intensity", "Average": "Average Intensity",
+    "Additive": "Additive"}
 # Of 255, however many ranks: pictures of volumes are rounded once.
 BOUNDS = {
+    **dict.fromkeys(BLENDS, 1),
     "Volume": 1, "Isosurface": 1, "Both": 1, "Uniform": 1, "Hexahedra": 1, "Copies": 1, "FirstRank": 1,
     "OtherArray": 1, "TwoArrays": 1, "TwoValues": 1, "TwoValuesOfArrays": 1, "Redistributed": 1}
 
@@ -113,6 +118,10 @@ def render():
     representation.IsosurfaceValues = [1.5, 2.5]
     scene.picture(view, f"Both-{ranks}")
     representation.ShowIsosurfaces = 0
+    for name, blend in BLENDS.items():
+        representation.BlendMode = blend
+        scene.picture(view, f"{name}-{ranks}")
+    representation.BlendMode = "Composite"
     simple.Hide(source, view)
 
     # The first rank makes one grid of the pieces of all.
