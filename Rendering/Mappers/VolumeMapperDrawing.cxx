@@ -280,8 +280,9 @@ void vtkTreeAMRVolumeMapper::Composite(
         stops.hits = { hits->first, hits->hits };
       }
     }
-    // Estimates of errors are of whole rays.
-    const bool canRelay = picture.Relay && picture.IsWhole && part.isWhole() &&
+    // Estimates of errors are of whole rays. Values have no part in translucent scenes.
+    const bool isAlone = picture.IsWhole || (treeamr::blendsValues(this) && !picture.IsPeeling);
+    const bool canRelay = picture.Relay && isAlone && part.isWhole() &&
       image.width == picture.Viewport.Width && image.height == picture.Viewport.Height &&
       internals.CurrentFrame.SquaredError < 0.;
     const treeamr::Field& field = internals.Volume->field();
@@ -487,7 +488,8 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
     }
     std::unique_ptr<Picture> picture(new Picture{ renderer, shown, vtkTreeAMRTarget::GetViewport(renderer),
       isWhole, isPeeling, mapper->PrepareVolume(renderer, shown), std::move(cut),
-      { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress, &relay, {} });
+      { renderer, scene.surfaces, treeamr::SurfaceLayers::All, progress }, progress,
+      order.volumes.size() == 1 ? &relay : nullptr, {} });
     if (picture->HasVolume || !picture->Actors.isEmpty())
     {
       pictures.Volumes.push_back(std::move(picture));
