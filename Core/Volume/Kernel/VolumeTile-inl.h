@@ -134,9 +134,9 @@ private:
   using Rays::direction_;
   using Rays::drawnRays_;
   using Rays::end_;
+  using Rays::green_;
   using Rays::groupInTile;
   using Rays::makeRays;
-  using Rays::green_;
   using Rays::origin_;
   using Rays::red_;
   using Rays::startAtReference;
