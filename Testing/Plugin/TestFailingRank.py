@@ -48,7 +48,8 @@ before = picture("before")
 mapper = view.GetRenderer().GetVolumes().GetItemAsObject(0).GetMapper()
 if rank == 1:
     observers = [
-        mapper.AddObserver("VolumeMapperRenderStartEvent", limit), mapper.AddObserver("VolumeMapperRenderEndEvent", lift)]
+        mapper.AddObserver("VolumeMapperRenderStartEvent", limit),
+        mapper.AddObserver("VolumeMapperRenderEndEvent", lift)]
 missing = picture("missing")
 if rank == 1:
     for observer in observers:
