@@ -38,7 +38,13 @@ Field::Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, do
     throw Error("field: offset " + std::to_string(offset_) + ", allowed are finite ones");
   }
   checkAndMeasureValues();
-  computeMeans(whole.value_or(range_));
+  if (whole)
+  {
+    range_ = values_.empty()
+      ? *whole
+      : Range{ std::min(range_.min, whole->min), std::max(range_.max, whole->max) };
+  }
+  computeMeans(range_);
 }
 
 Field Field::ofCorners(std::shared_ptr<const Octree> octree, const CornerSource& corners, double offset)

@@ -31,7 +31,7 @@ class Field
 public:
   /// offset + values[i] belongs to leaf i; all must be finite (cells without a finite value are left out of the
   /// octree). Computes the means: volume-weighted over the leaves below, in lattice volume. whole: the hull of the values,
-  /// less the offset, that other processes hold, too, so that all round means alike; none: these are all. Throws Error, also
+  /// less the offset, that other processes hold, too, so that ranges and means are alike; none: these are all. Throws Error, also
   /// without an octree and for another number of values.
   Field(std::shared_ptr<const Octree> octree, LargeVector<float> values, double offset = 0.,
     const std::optional<Range>& whole = {});
