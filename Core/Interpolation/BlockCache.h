@@ -43,6 +43,7 @@ public:
   }
 
   std::size_t budget() const noexcept { return budget_; }
+  bool isFull() const noexcept { return store_.isFull(); }
 
   struct Found
   {

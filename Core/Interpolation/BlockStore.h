@@ -102,6 +102,9 @@ public:
     full_ = pool_.overflowed();
   }
 
+  /// Whether an earlier frame had more blocks than the budget has room for.
+  bool isFull() const noexcept { return full_; }
+
   /// Allocated bytes.
   std::size_t byteSize() const noexcept
   {

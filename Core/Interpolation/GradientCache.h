@@ -6,24 +6,46 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 
 namespace treeamr
 {
 
-/// A block's 125 vertex gradients in steps of their largest component, 32767 of them to either side of `zero`, which
-/// stands for exactly none: where a field is flat it has no direction. 104 bytes a leaf.
+/// A block's 125 vertex gradients in steps of their largest component: 96 bytes a leaf.
 struct alignas(64) BlockGradientRecord
 {
-  static constexpr float zero = 32768.f;
-  static constexpr float most = 32767.f;
+  static constexpr int most = 32767; // steps
 
-  std::array<std::array<std::uint16_t, 128>, 3> steps; // by axis, in the order of BlockValues
-  float length;                                        // of a step, as the gradients are scaled
+  /// Where a leaf's gradients are never shorter than this many times `most` / leastParts steps: rounding is left room for.
+  static constexpr float leastParts = 128.f;
+
+  /// By axis, in the order of BlockValues. What the last three words of an axis hold is none of them.
+  std::array<std::array<std::int16_t, 128>, 3> steps;
 
   /// Gradients times `scale`. Those that are not finite are none; vertices that were not asked for hold anything.
   BlockGradientRecord(const BlockGradients& gradients, const BlockVertices& vertices, double scale) noexcept;
   BlockGradientRecord() noexcept = default;
+
+  /// Of a step, as the gradients are scaled.
+  float length() const noexcept
+  {
+    float length;
+    std::memcpy(&length, &steps[0][block::vertexCount + 1], sizeof(length));
+    return length;
+  }
+  /// By child; of those whose vertices were asked for.
+  std::array<std::uint8_t, 8> least() const noexcept
+  {
+    std::array<std::uint8_t, 8> least;
+    std::memcpy(least.data(), &steps[1][block::vertexCount], 6);
+    std::memcpy(least.data() + 6, &steps[2][block::vertexCount], 2);
+    return least;
+  }
+
+private:
+  void findLeast() noexcept;
 };
+static_assert(sizeof(BlockGradientRecord) == 768);
 
 class GradientCache
 {
@@ -61,7 +83,7 @@ public:
     if (const BlockGradientRecord* record = this->find(inner, cells))
     {
       const auto* const steps = record->steps[0].data();
-      for (std::size_t i = 0; i < sizeof(record->steps) / sizeof(*steps); i += 32)
+      for (std::size_t i = 0; i < sizeof(*record) / sizeof(*steps); i += 32)
       {
         treeamr::prefetch(steps + i);
       }

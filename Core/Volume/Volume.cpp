@@ -73,11 +73,28 @@ struct Volume::Mixture
 namespace
 {
 
-/// A block's gradients take more than three times as much as its values, and much longer to compute.
+std::size_t multiple(std::size_t budget, std::size_t times) noexcept
+{
+  return std::min(budget, std::numeric_limits<std::size_t>::max() / times) * times;
+}
+
+/// A block's gradients take three times as much as its values, and much longer to compute.
 std::size_t gradientBudget(std::size_t ofValues) noexcept
 {
-  constexpr std::size_t times = 4;
-  return std::min(ofValues, std::numeric_limits<std::size_t>::max() / times) * times;
+  return multiple(ofValues, 4);
+}
+
+/// Gives a field room for the values of a frame. Where that has gradients, too, opacity by them lets rays see more of a
+/// volume than it has room for without: twice as much, once that is so.
+void prepareValues(const Field& field, std::size_t budget, bool withGradients, std::unique_ptr<BlockCache>& kept)
+{
+  const std::size_t most = withGradients ? multiple(budget, 2) : budget;
+  const bool suffices = kept && (kept->budget() == most || (kept->budget() == budget && !kept->isFull()));
+  if (!suffices)
+  {
+    kept = nullptr; // first: not both at once
+    kept = std::make_unique<BlockCache>(field, most);
+  }
 }
 
 } // namespace
@@ -242,13 +259,7 @@ std::size_t Volume::keptBytes() const noexcept
 void Volume::prepareMemory(bool withValues, bool withGradients, bool withColors, bool withMeans)
 {
   const std::size_t budget = withValues ? budget_ : 0;
-  const auto prepareValues = [budget](const Field& field, std::unique_ptr<BlockCache>& kept) {
-    if (!kept || kept->budget() != budget)
-    {
-      kept = std::make_unique<BlockCache>(field, budget);
-    }
-  };
-  prepareValues(*field_, kept_);
+  prepareValues(*field_, budget, withGradients, kept_);
   const bool isLitByColors = withColors && isColoredByOther();
   if (!withGradients || isLitByColors)
   {
@@ -267,7 +278,7 @@ void Volume::prepareMemory(bool withValues, bool withGradients, bool withColors,
       part.gradients = nullptr;
       continue;
     }
-    prepareValues(*part.field, part.kept);
+    prepareValues(*part.field, budget, withGradients, part.kept);
     if (!withGradients || (mixture_->mixing != VolumeMixing::Independent && !isLitByColors))
     {
       part.gradients = nullptr;

@@ -41,8 +41,8 @@ class Volume
 {
 public:
   /// transferFunction: over the field's values less its offset. Keeps vertex values within keptBytes, those of a
-  /// field that colours within as many, and while frames are lit their vertex gradients within four times as many; too
-  /// few keep none. Throws Error without a field, and as setTransferFunction().
+  /// field that colours within as many, and while frames are lit twice as many of these and their vertex gradients within
+  /// four times as many; too few keep none. Throws Error without a field, and as setTransferFunction().
   Volume(std::shared_ptr<const Field> field, TransferFunction transferFunction,
     std::size_t keptBytes = defaultKeptBytes);
   ~Volume();

@@ -203,7 +203,8 @@ public:
   ///@}
   ///@{
   /// Memory in MiB to keep reconstructed values in from frame to frame, so that they are not computed
-  /// again; 0 keeps none. While the volume is shaded or its opacity is by gradients, these may take four times as much.
+  /// again; 0 keeps none. While the volume is shaded or its opacity is by gradients, values may take
+  /// twice as much, gradients four times.
   /// Only what was seen takes memory. Of several processes on one machine each has its share. Never changes a pixel.
   /// Default 512.
   virtual void SetVertexCacheSize(int value);

@@ -1,5 +1,6 @@
 // Vertex gradients, against their brute-force evaluation and as properties.
 #include "Interpolation/BlockGradients.h"
+#include "Interpolation/GradientCache.h"
 #include "Support/BruteForceGTI.h"
 #include "Support/Fields.h"
 #include "Support/RandomTrees.h"
@@ -330,5 +331,56 @@ TEST(BlockGradients, KeepTheirDigitsForFieldsAndCellsOfAnySize)
         }
       }
     }
+  }
+}
+
+// Between the steps that are kept, wherever in a leaf, a gradient is as long as the record says at least; of a plane's it
+// says that to the last part.
+TEST(BlockGradients, RecordsBoundThemFromBelow)
+{
+  const RandomTree options{ 8, { 2, 2, 2 }, 4, 0.6, 0.1, false };
+  std::vector<LeafCell> cells = makeRandomTree(options);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0., 1.);
+  for (const bool isPlane : { false, true })
+  {
+    setValues(cells, [&](const auto& p) {
+      return isPlane ? 3. * p[0] - 2. * p[1] + p[2] : std::sin(2. * p[0] + p[1]) * std::cos(1.5 * p[2]);
+    });
+    const auto field = makeField(unitRoots(options.roots), cells);
+    const Octree& octree = field->octree();
+    GradientEvaluator evaluator(*field);
+    BlockGradients gradients;
+    double tightest = 1e9;
+    int bounded = 0;
+    forEachBlock(octree, [&](const TreePath& at, const Octree::Children& children) {
+      const BlockVertices vertices = verticesOfOctants(octantsOfLeaves(children));
+      evaluator.compute(BlockPath(at), BlockCells::Leaves, vertices, gradients);
+      const BlockGradientRecord record(gradients, vertices, 1.);
+      const std::array<std::uint8_t, 8> least = record.least();
+      for (int sample = 0; sample < 200; ++sample)
+      {
+        const int octant = randomOctant(children, random);
+        const std::array<double, 3> f{ unit(random), unit(random), unit(random) };
+        Vec3 gradient{};
+        for (int corner = 0; corner < 8; ++corner)
+        {
+          const double weight = (corner & 1 ? f[0] : 1. - f[0]) * (corner & 2 ? f[1] : 1. - f[1]) *
+            (corner & 4 ? f[2] : 1. - f[2]);
+          for (int a = 0; a < 3; ++a)
+          {
+            gradient[a] += weight * record.steps[a][cornerOf(octant, corner)];
+          }
+        }
+        const int child = (octant >> 1 & 1) | (octant >> 3 & 1) << 1 | octant >> 5 << 2;
+        const double length = std::sqrt(dot(gradient, gradient));
+        const double bound = least[child] * BlockGradientRecord::most / double(BlockGradientRecord::leastParts);
+        ASSERT_LE(bound, length);
+        bounded += least[child] > 0;
+        tightest = std::min(tightest, length - bound);
+      }
+    });
+    EXPECT_GT(bounded, 1000);
+    EXPECT_LT(tightest, 1.01 * BlockGradientRecord::most / BlockGradientRecord::leastParts);
   }
 }

@@ -210,6 +210,33 @@ TEST(VolumeLight, GradientOpacityEqualsTheReferenceOnEveryTarget)
   }
 }
 
+// Gradients of any length from some on have one opacity: where all of a leaf are that long, nothing is read of them.
+TEST(VolumeLight, LongGradientsNeverChangeABit)
+{
+  const auto field = waves();
+  const LitView view = litViews()[0];
+  const Camera camera(multiply(view.clipFromView, view.viewFromData), identityMatrix, width, height);
+  for (const auto& entries : { std::vector{ 0.f, 0.7f, 0.7f, 0.7f, 0.7f }, { 0.2f, 0.9f, 0.3f }, { 0.f, 0.f, 1.f } })
+  {
+    VolumeSettings settings;
+    settings.gradientOpacity = GradientOpacity{ 1.5, entries };
+    VolumeSettings reading = settings;
+    reading.skipEmpty = false;
+    std::array<Image, 2> firsts{ Image(0, 0), Image(0, 0) }; // of floats, of doubles
+    forEachKernel(settings, [&](const std::string& kernel, const VolumeSettings& ofKernel) {
+      reading.doubles = ofKernel.doubles;
+      Image skipped(width, height);
+      Image read(width, height);
+      renderVolume(*field, colors(), camera, {}, ofKernel, skipped);
+      renderVolume(*field, colors(), camera, {}, reading, read);
+      EXPECT_EQ(skipped.rgba, read.rgba) << kernel << ", " << entries.size();
+      Image& first = firsts[ofKernel.doubles];
+      first = first.width == 0 ? read : first;
+      EXPECT_EQ(read.rgba, first.rgba) << kernel << ", " << entries.size();
+    });
+  }
+}
+
 TEST(VolumeLight, IntegralsAreLitToo)
 {
   const auto field = waves();

@@ -87,6 +87,34 @@ TEST(VolumeMemory, KeepsNoMoreThanItsBudgetInAnyFrame)
   }
 }
 
+TEST(VolumeMemory, LitFramesHaveTwiceTheRoomForValues)
+{
+  const auto field = randomField({ 5, { 2, 2, 2 }, 6, 0.7, 0., false });
+  const Octree& octree = field->octree();
+  const Camera camera(views().front().clip, identityMatrix, width, height);
+  Image image(width, height);
+  // One thread, which begins no chunks of its own.
+  tbb::task_arena(1).execute([&] {
+    VolumeSettings lit;
+    lit.gradientOpacity = GradientOpacity{ 1., { 0.9f, 1.f } };
+    Volume all(field, smooth());
+    const std::uint64_t blocks = all.render(camera, lit, image).blocks;
+    const std::uint64_t chunks = blocks / 256 + 1;
+    ASSERT_GE(chunks, 2u);
+    const std::size_t budget = octree.innerCount() * 4 + (chunks + 1) / 2 * chunkBytes;
+    const std::size_t values = BlockCache(*field, budget).byteSize() + (chunks + 1) / 2 * chunkBytes;
+    Volume volume(field, smooth(), budget);
+    volume.render(camera, {}, image);
+    EXPECT_GT(volume.render(camera, {}, image).blocks, 0u);
+    EXPECT_LE(volume.keptBytes(), values);
+    volume.render(camera, lit, image);
+    EXPECT_EQ(volume.render(camera, lit, image).blocks, 0u);
+    // Plain frames have what is theirs again.
+    EXPECT_GT(volume.render(camera, {}, image).blocks, 0u);
+    EXPECT_LE(volume.keptBytes(), values);
+  });
+}
+
 TEST(VolumeMemory, AMovingCameraTabulatesNothing)
 {
   const auto field = randomField({ 12, { 2, 2, 2 }, 5, 0.6, 0., false });

@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE
 
 VolumeLoops LitLoops()
 {
-  return loopsOf<float, RayOrigins::Either, VolumeLoop::Lit>();
+  return loopsOf<float, RayOrigins::Any, VolumeLoop::Lit>();
 }
 
 } // namespace HWY_NAMESPACE

@@ -13,7 +13,9 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
@@ -28,23 +30,87 @@ namespace HWY_NAMESPACE
 template <class Real>
 struct GradientBlock
 {
-  using Values = std::conditional_t<std::is_same_v<Real, float>, QuantisedValues, ExactValues<Real>>;
-  std::conditional_t<std::is_same_v<Real, float>, const std::uint16_t*, const Real*> steps[3];
+  std::conditional_t<std::is_same_v<Real, float>, const std::int16_t*, const Real*> steps[3];
   Real stepLength = 0;
+  Real entriesPerStep = 0; // of gradient opacity
+  /// Mask of the children in which gradient opacity is that of long gradients, wherever they point.
+  unsigned ofLong = 0;
 };
 
-/// Of a block at spots, in steps.
-template <class Real, class Values>
-HWY_INLINE void gradientAt(const Values (&values)[3], const Spot<Real>& spot, Reals<Real> (&gradient)[3])
+/// Parts of an octant's width that pairs of steps are weighted in.
+constexpr int weightBits = 14;
+
+/// Of pairs of steps, in the halves of lanes, the sums weighted by two numbers that make 2^weightBits together: exact.
+HWY_INLINE Ints<float> weighted(Ints<float> pairs, Ints<float> ofUpper)
 {
-  const RealTag<Real> d;
+  const IntTag<float> di;
+  const Ints<float> ofLower = hn::Sub(hn::Set(di, 1 << weightBits), ofUpper);
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+  const hn::Repartition<std::int16_t, IntTag<float>> d16;
+  const Ints<float> weights = hn::Or(hn::And(ofLower, hn::Set(di, 0xffff)), hn::ShiftLeft<16>(ofUpper));
+  Ints<float> none = hn::Zero(di); // on these processors
+  return hn::ReorderWidenMulAccumulate(
+    di, hn::BitCast(d16, pairs), hn::BitCast(d16, weights), hn::Zero(di), none);
+#else
+  return hn::Add(hn::Mul(hn::ShiftRight<16>(hn::ShiftLeft<16>(pairs)), ofLower),
+    hn::Mul(hn::ShiftRight<16>(pairs), ofUpper));
+#endif
+}
+
+/// Of a block at spots, in steps: along x in whole numbers, which is as if spots were moved by less than 2^-weightBits of
+/// an octant.
+HWY_INLINE void gradientAt(
+  const GradientBlock<float>& block, const Spot<float>& spot, Reals<float> (&gradient)[3])
+{
+  const RealTag<float> d;
+  const Ints<float> upper = nearest<float>(hn::Mul(spot.f[0], hn::Set(d, float(1 << weightBits))));
+  constexpr int rows[4] = { 0, 5, 25, 30 };
   for (int a = 0; a < 3; ++a)
   {
-    Reals<Real> lower[4];
-    Reals<Real> upper[4];
-    values[a].pairs(spot.vertex, lower, upper);
-    gradient[a] = hn::Sub(between<Real>(spot.f, lower, upper), hn::Set(d, Real(BlockGradientRecord::zero)));
+    const QuantisedValues values(reinterpret_cast<const std::uint16_t*>(block.steps[a]));
+    Reals<float> along[4];
+    for (int r = 0; r < 4; ++r)
+    {
+      along[r] = hn::ConvertTo(d, weighted(values.pairs(rows[r], spot.vertex), upper));
+    }
+    const Reals<float> low = lerp(spot.f[1], along[0], along[1]);
+    const Reals<float> high = lerp(spot.f[1], along[2], along[3]);
+    gradient[a] = hn::Mul(lerp(spot.f[2], low, high), hn::Set(d, 1.f / (1 << weightBits)));
   }
+}
+
+HWY_INLINE void gradientAt(
+  const GradientBlock<double>& block, const Spot<double>& spot, Reals<double> (&gradient)[3])
+{
+  for (int a = 0; a < 3; ++a)
+  {
+    const ExactValues<double> values{ block.steps[a] };
+    Reals<double> lower[4];
+    Reals<double> upper[4];
+    values.pairs(spot.vertex, lower, upper);
+    gradient[a] = between<double>(spot.f, lower, upper);
+  }
+}
+
+/// Of children in a mask those that spots are in.
+template <class Real>
+HWY_INLINE Mask<Real> areIn(unsigned children, const Spot<Real>& spot)
+{
+  const RealTag<Real> d;
+  const Reals<Real> one = hn::Set(d, Real(1));
+  const Reals<Real> vertex = asReals<Real>(spot.vertex);
+  const Reals<Real> z = hn::Floor(hn::Mul(vertex, hn::Set(d, Real(0.0401)))); // of 25
+  const Reals<Real> inLayer = negMulAdd(z, hn::Set(d, Real(25)), vertex);
+  const Reals<Real> y = hn::Floor(hn::Mul(inLayer, hn::Set(d, Real(0.201)))); // of 5
+  const Reals<Real> x = negMulAdd(y, hn::Set(d, Real(5)), inLayer);
+  const auto upper = [&](Reals<Real> at, int bit) {
+    return hn::IfThenElseZero(hn::Gt(at, one), hn::Set(d, Real(bit)));
+  };
+  const Reals<Real> child = hn::Add(upper(x, 1), hn::Add(upper(y, 2), upper(z, 4)));
+  const hn::RebindToUnsigned<RealTag<Real>> du;
+  const auto bit = hn::BitCast(du, asWideAsLanes<Real>(truncated<Real>(child)));
+  const auto isIn = hn::And(hn::Shr(hn::Set(du, children), bit), hn::Set(du, 1));
+  return hn::RebindMask(d, hn::Ne(isIn, hn::Zero(du)));
 }
 
 /// Where blocks have their gradients from, for one thread.
@@ -92,7 +158,7 @@ public:
     use(*record);
     constexpr float diagonal = 1.7321f; // of three largest components, rounded up
     return !scene_.settings.skipEmpty ||
-      diagonal * BlockGradientRecord::most * record->length > scene_.illumination->hiddenLength;
+      diagonal * BlockGradientRecord::most * record->length() > scene_.illumination->hiddenLength;
   }
   /// Of a constant.
   void useNone() { use(none()); }
@@ -121,7 +187,13 @@ private:
 
   void use(const BlockGradientRecord& record)
   {
-    block_.stepLength = record.length;
+    block_.stepLength = record.length();
+    block_.ofLong = 0;
+    if (scene_.gradients && scene_.illumination->gradientOpacity)
+    {
+      block_.entriesPerStep = block_.stepLength * static_cast<Real>(scene_.illumination->entriesPerLength);
+      block_.ofLong = findLong(record);
+    }
     for (int a = 0; a < 3; ++a)
     {
       if constexpr (std::is_same_v<Real, float>)
@@ -134,6 +206,25 @@ private:
         block_.steps[a] = exact_[a];
       }
     }
+  }
+
+  /// See GradientBlock.
+  unsigned findLong(const BlockGradientRecord& record) const noexcept
+  {
+    const double parts = BlockGradientRecord::leastParts * scene_.illumination->longLength /
+      (static_cast<double>(record.length()) * BlockGradientRecord::most);
+    constexpr double mostParts = 255.;
+    unsigned children = 0;
+    if (scene_.settings.skipEmpty && parts <= mostParts) // NaN is none
+    {
+      const auto needed = static_cast<std::uint8_t>(std::ceil(parts));
+      const std::array<std::uint8_t, 8> least = record.least();
+      for (int child = 0; child < 8; ++child)
+      {
+        children |= static_cast<unsigned>(least[child] >= needed) << child;
+      }
+    }
+    return children;
   }
 
   const VolumeKernelScene& scene_;

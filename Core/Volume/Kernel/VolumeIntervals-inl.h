@@ -8,6 +8,7 @@
 #endif
 
 #include "Volume/Kernel/PackedRays-inl.h"
+#include "Volume/Kernel/SampleCopies-inl.h"
 #include "Volume/Kernel/VolumeBlocks-inl.h"
 #include "Volume/Kernel/VolumeIntegrals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
@@ -209,16 +210,17 @@ protected:
   {
     // Exact values are few: a loop without stops for them would cost more to compile than it saves.
     constexpr bool isFrequent =
-      std::is_same_v<Values, QuantisedValues> && (Loop == VolumeLoop::Plain || Loop == VolumeLoop::Lit);
+      std::is_same_v<Values, QuantisedValues> && (Loop == VolumeLoop::Plain || (isLit && startAtReference));
     if constexpr (isFrequent)
     {
-      for (int part = 0; !hasHits_ && part < parts_; ++part)
+      if (!hasHits_ && !(isLit && block.preIntegrate))
       {
-        block.preIntegrate ? integrateWithoutStops<true>(values, block, box, lattice, active, part)
-                           : integrateWithoutStops<false>(values, block, box, lattice, active, part);
-      }
-      if (!hasHits_)
-      {
+        for (int part = 0; part < parts_; ++part)
+        {
+          !isLit&& block.preIntegrate
+            ? integrateWithoutStops<!isLit>(values, block, box, lattice, active, part)
+            : integrateWithoutStops<false>(values, block, box, lattice, active, part);
+        }
         return;
       }
     }
@@ -450,14 +452,14 @@ protected:
     span.samples = hn::IfThenElseZero(crosses, span.samples);
     const IntTag<Real> di;
     hn::Store(hn::Add(hn::Load(di, samples_), nearest<Real>(span.samples)), di, samples_);
-    statistics_.steps += PreIntegrated ? 0 : static_cast<std::uint64_t>(mostSamples);
 
     if constexpr (isSum)
     {
+      statistics_.steps += static_cast<std::uint64_t>(mostSamples);
       blends_.take(span, mostSamples, values, block.toTable, lattice, ray);
       return;
     }
-    const auto lighting = lightingOf(begin, ray);
+    auto lighting = lightingOf(begin, ray);
     Light<Real> light{ transmittance, opacity, hn::Load(d, red_ + ray), hn::Load(d, green_ + ray),
       hn::Load(d, blue_ + ray) };
     if constexpr (PreIntegrated)
@@ -469,19 +471,44 @@ protected:
     }
     else
     {
-      Real i = 0;
-      for (; i + 1 < mostSamples; i += 2)
-      {
-        statistics_.litSteps +=
-          takePoints<2>(table_, span, i, values, block.toTable, lattice, lighting, light);
-      }
-      if (i < mostSamples)
-      {
-        statistics_.litSteps +=
-          takePoints<1>(table_, span, i, values, block.toTable, lattice, lighting, light);
-      }
+      takeAllPoints(span, mostSamples, values, block.toTable, lattice, lighting, crosses, light);
     }
     finishSteps(light, crosses, ray);
+  }
+
+  /// crosses: the rays. lighting: may be spread.
+  template <class Values, class Lighting>
+  HWY_INLINE void takeAllPoints(const Span<Real>& span, Real mostSamples, const Values& values,
+    const ToTable<Real>& toTable, const Lattice<Real>& lattice, Lighting& lighting,
+    [[maybe_unused]] Mask<Real> crosses, Light<Real>& light)
+  {
+    Real i = 0;
+    if constexpr (isLit && hasSampleCopies<Real>)
+    {
+      SampleCopies<Real> copies(crosses, mostSamples);
+      if (copies.count() > 1 && lighting.mayBeCopied())
+      {
+        copies.sort(crosses);
+        const Span<Real> spread = copies(span);
+        lighting.spread(copies);
+        for (; i < mostSamples; i += static_cast<Real>(copies.count()))
+        {
+          ++statistics_.steps;
+          statistics_.litSteps +=
+            takeCopies(table_, spread, copies, crosses, i, values, toTable, lattice, lighting, light);
+        }
+        return;
+      }
+    }
+    statistics_.steps += static_cast<std::uint64_t>(mostSamples);
+    for (; i + 1 < mostSamples; i += 2)
+    {
+      statistics_.litSteps += takePoints<2>(table_, span, i, values, toTable, lattice, lighting, light);
+    }
+    if (i < mostSamples)
+    {
+      statistics_.litSteps += takePoints<1>(table_, span, i, values, toTable, lattice, lighting, light);
+    }
   }
 
   /// Keeps what rays from `ray` on have, and ends those that have no light left, or have met what there is of a slice.

@@ -9,7 +9,9 @@ VolumeLoops volumeLoops(const SceneFeatures& features)
   switch (features.loop)
   {
     case VolumeLoop::Lit:
-      return features.doubles ? litVolumeLoopsInDoubles() : litVolumeLoops();
+      return features.doubles     ? litVolumeLoopsInDoubles()
+        : features.commonOrigin ? litVolumeLoopsFromOnePoint()
+                                : litVolumeLoops();
     case VolumeLoop::Extreme:
       return features.doubles ? extremeVolumeLoopsInDoubles() : extremeVolumeLoops();
     case VolumeLoop::Sum:

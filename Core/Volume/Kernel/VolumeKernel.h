@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -157,6 +158,11 @@ struct VolumeIllumination
   const float* gradientOpacity;                          // null: none
   double entriesPerLength = 0.;                          // of a gradient as GradientCache scales them
   double lastEntry = 0.;
+  ///@{
+  /// Gradients from here on have one opacity, which is all that counts of them; infinite: they have not.
+  double longLength = std::numeric_limits<double>::infinity();
+  double ofLong = 1.;
+  ///@}
   double hiddenLength = -1.; // of gradients up to which gradient opacity is 0; negative: none
 
   /// The lights in data coordinates; none where their own have fewer dimensions.
@@ -277,6 +283,7 @@ struct VolumeLoops
 VolumeLoops volumeLoopsFromOnePoint();
 VolumeLoops volumeLoopsOfAnyRays();
 VolumeLoops volumeLoopsInDoubles();
+VolumeLoops litVolumeLoopsFromOnePoint();
 VolumeLoops litVolumeLoops();
 VolumeLoops litVolumeLoopsInDoubles();
 VolumeLoops extremeVolumeLoops();

@@ -49,6 +49,14 @@ VolumeIllumination::VolumeIllumination(const VolumeSettings& settings, const Vol
     hiddenLength = visible == function.entries.end() ? std::numeric_limits<double>::infinity()
       : hidden > 0. && entriesPerLength > 0.         ? (hidden - 1.) / entriesPerLength
                                                      : -1.;
+    if (!settings.shading && entriesPerLength > 0.)
+    {
+      const float before = *(function.entries.end() - 2);
+      ofLong = before + (function.entries.back() - before); // as samples have it
+      const auto other = std::find_if(function.entries.rbegin(), function.entries.rend(),
+        [&](float entry) { return entry != function.entries.back(); });
+      longLength = static_cast<double>(function.entries.rend() - other) / entriesPerLength;
+    }
   }
   if (shades)
   {
@@ -317,6 +325,7 @@ void VolumeKernelScene::placeTable()
   const double rows = width > 0. ? static_cast<double>(axis.size - 1) / width : 0.;
   mixture->columnsPerPlace = 1. / table.perEntry;
   illumination->gradientOpacity = nullptr;
+  illumination->longLength = std::numeric_limits<double>::infinity();
   illumination->hiddenLength = -1.;
   if (mixture->table->byGradient)
   {

@@ -10,6 +10,7 @@
 #define TREEAMR_VOLUMELIGHT_INL_H
 #endif
 
+#include "Volume/Kernel/SampleCopies-inl.h"
 #include "Volume/Kernel/VolumeBlocks-inl.h"
 #include "Volume/Kernel/VolumeGradients-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
@@ -130,10 +131,7 @@ public:
     const MixedBlocks<Real>& mixed, const Reals3<Real>& start, const Reals3<Real>& direction)
     : scene_(scene)
     , mixed_(mixed)
-    , gradients_{ typename GradientBlock<Real>::Values{ gradients.steps[0] },
-      typename GradientBlock<Real>::Values{ gradients.steps[1] },
-      typename GradientBlock<Real>::Values{ gradients.steps[2] } }
-    , stepLength_(gradients.stepLength)
+    , gradients_(gradients)
   {
     const RealTag<Real> d;
     const VolumeIllumination* lit = mixed.lights[0] ? mixed.lights[0] : &scene; // all in the same coordinates
@@ -165,6 +163,21 @@ public:
     }
   }
 
+  /// Whether samples of several places may be in its lanes: what others know of its rays is not packed.
+  HWY_INLINE bool mayBeCopied() const { return mixed_.isNone() && !scene_.scattering; }
+  HWY_INLINE void spread(const SampleCopies<Real>& copies)
+  {
+    if (scene_.shades)
+    {
+      copies.spread(sight_);
+    }
+    if (scene_.needsPoints)
+    {
+      copies.spread(start_);
+      copies.spread(slope_);
+    }
+  }
+
   ///@{
   /// See MixtureOnRays; whether effects have the extinctions.
   HWY_INLINE bool isOfMany() const { return mixed_.isOfMany(); }
@@ -186,13 +199,8 @@ public:
       mixed_.mix(
         spot,
         [&](int part, Reals3<Real>& color) {
-          const GradientBlock<Real>& block = mixed_.gradients(part);
-          const typename GradientBlock<Real>::Values values[3] = { typename GradientBlock<Real>::Values{
-                                                                     block.steps[0] },
-            typename GradientBlock<Real>::Values{ block.steps[1] },
-            typename GradientBlock<Real>::Values{ block.steps[2] } };
           Reals<Real> gradient[3];
-          gradientAt<Real>(values, spot, gradient);
+          gradientAt(mixed_.gradients(part), spot, gradient);
           Effect own;
           this->reflect(mixed_.light(part), gradient, along, hn::Zero(d), own);
           for (int c = 0; c < 3; ++c)
@@ -211,24 +219,29 @@ public:
       }
       return effect;
     }
+    if (gradients_.ofLong != 0 && this->areOfLong(spot, extinction))
+    {
+      effect.opacity = hn::Set(d, static_cast<Real>(scene_.ofLong));
+      return effect;
+    }
     Reals<Real> gradient[3];
-    gradientAt<Real>(gradients_, spot, gradient);
+    gradientAt(gradients_, spot, gradient);
     if (readsTable)
     {
-      mixed_.lookUp(
-        place, hn::Mul(hn::Sqrt(dotted<Real>(gradient, gradient)), hn::Set(d, stepLength_)), spot, effect);
+      mixed_.lookUp(place,
+        hn::Mul(hn::Sqrt(dotted<Real>(gradient, gradient)), hn::Set(d, gradients_.stepLength)), spot, effect);
     }
     else if (scene_.gradientOpacity)
     {
       const Reals<Real> length = hn::Sqrt(dotted<Real>(gradient, gradient));
-      const Reals<Real> place =
-        hn::Min(hn::Mul(length, hn::Set(d, stepLength_ * static_cast<Real>(scene_.entriesPerLength))),
-          hn::Set(d, static_cast<Real>(scene_.lastEntry)));
+      const Reals<Real> place = hn::Min(hn::Mul(length, hn::Set(d, gradients_.entriesPerStep)),
+        hn::Set(d, static_cast<Real>(scene_.lastEntry)));
       const Reals<Real> entry =
         hn::Min(hn::Floor(place), hn::Set(d, static_cast<Real>(scene_.lastEntry - 1.)));
-      const Ints<Real> index = truncated<Real>(entry);
-      effect.opacity = lerp(hn::Sub(place, entry), gather<Real>(scene_.gradientOpacity, index),
-        gather<Real>(scene_.gradientOpacity + 1, index));
+      Reals<Real> own;
+      Reals<Real> next;
+      gatherPairs<Real>(scene_.gradientOpacity, truncated<Real>(entry), own, next);
+      effect.opacity = lerp(hn::Sub(place, entry), own, next);
     }
     if (scene_.shades)
     {
@@ -255,10 +268,18 @@ public:
   }
 
 private:
+  /// Whether all that is seen has the opacity of long gradients.
+  HWY_INLINE bool areOfLong(const Spot<Real>& spot, Reals<Real> extinction) const
+  {
+    const RealTag<Real> d;
+    constexpr unsigned all = 0xff;
+    return gradients_.ofLong == all ||
+      hn::AllTrue(d, hn::Or(areIn(gradients_.ofLong, spot), hn::Le(extinction, hn::Zero(d))));
+  }
+
   /// Shines on a unit normal.
-  HWY_INLINE void reflect(
-    const VolumeIllumination& scene, const Reals3<Real>& gradient, Reals<Real> along, Reals<Real> extinction,
-    Effect& effect) const
+  HWY_INLINE void reflect(const VolumeIllumination& scene, const Reals3<Real>& gradient, Reals<Real> along,
+    Reals<Real> extinction, Effect& effect) const
   {
     const RealTag<Real> d;
     Reals<Real> normal[3];
@@ -372,8 +393,7 @@ private:
 
   const VolumeIllumination& scene_;
   MixtureOnRays<Real> mixed_;
-  typename GradientBlock<Real>::Values gradients_[3];
-  Real stepLength_;
+  const GradientBlock<Real>& gradients_;
   Reals<Real> start_[3]; // in the lights' coordinates
   Reals<Real> slope_[3];
   Reals<Real> sight_[3]; // the way that rays go

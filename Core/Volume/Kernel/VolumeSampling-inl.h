@@ -85,6 +85,20 @@ HWY_INLINE Ints<Real> nearest(Reals<Real> v)
   }
 }
 
+/// Whole numbers as lanes.
+template <class Real>
+HWY_INLINE Reals<Real> asReals(Ints<Real> v)
+{
+  if constexpr (std::is_same_v<Real, float>)
+  {
+    return hn::ConvertTo(RealTag<Real>(), v);
+  }
+  else
+  {
+    return hn::PromoteTo(RealTag<Real>(), v);
+  }
+}
+
 /// What an index needs to gather lanes.
 template <class Real>
 HWY_INLINE auto asWideAsLanes(Ints<Real> index)
@@ -186,6 +200,29 @@ HWY_INLINE void gatherFours(const float* table, Ints<Real> index, Reals<Real> (&
   }
 }
 
+/// Of a table each element and the next one.
+template <class Real>
+HWY_INLINE void gatherPairs(const float* table, Ints<Real> index, Reals<Real>& first, Reals<Real>& second)
+{
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  if constexpr (std::is_same_v<Real, float>)
+  {
+    const __m512i none = _mm512_setzero_si512();
+    constexpr __mmask8 all = 0xff; // without it compilers warn of their own headers
+    const __m512 low = _mm512_castsi512_ps(_mm512_mask_i32gather_epi64(
+      none, all, _mm512_maskz_extracti64x4_epi64(all, index.raw, 0), table, sizeof(float)));
+    const __m512 high = _mm512_castsi512_ps(_mm512_mask_i32gather_epi64(
+      none, all, _mm512_maskz_extracti64x4_epi64(all, index.raw, 1), table, sizeof(float)));
+    const __m512i even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0);
+    first = Reals<float>{ _mm512_permutex2var_ps(low, even, high) };
+    second = Reals<float>{ _mm512_permutex2var_ps(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high) };
+    return;
+  }
+#endif
+  first = gather<Real>(table, index);
+  second = gather<Real>(table + 1, index);
+}
+
 // Products and sums rounded apart, also where one instruction could do both: so every instruction set gives the
 // same picture, to the bit. (Compiled with -ffp-contract=off.)
 template <class V>
@@ -278,7 +315,7 @@ public:
     return hn::ConvertTo(RealTag<float>(), hn::And(pairs(0, index), hn::Set(IntTag<float>(), 0xffff)));
   }
 
-private:
+  /// Of one of these rows as they are kept, the vertex at x + 1 in the upper half.
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
   HWY_INLINE Ints<float> pairs(int row, Ints<float> index) const
   {
@@ -292,6 +329,7 @@ private:
       low, _mm512_test_epi16_mask(both.raw, _mm512_set1_epi16(64)), high) };
   }
 
+private:
   __m512i words_[4];
 #else
   HWY_INLINE Ints<float> pairs(int row, Ints<float> index) const
@@ -312,6 +350,7 @@ private:
 #endif
   }
 
+private:
   const std::uint16_t* values_;
 #endif
 };

@@ -1,0 +1,42 @@
+// The volume kernel with light and gradient opacity, of rays that start at one point; the best instruction set is chosen
+// when the program runs.
+#include "InstructionSets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "Volume/Kernel/LitVolumeFromOnePoint.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h: the rest is compiled once for each target.
+#include "Volume/Kernel/VolumeKernel.h"
+#include "Volume/Kernel/VolumeLight-inl.h"
+#include "Volume/Kernel/VolumeTile-inl.h"
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace treeamr
+{
+namespace HWY_NAMESPACE
+{
+
+VolumeLoops LitLoopsFromOnePoint()
+{
+  return loopsOf<float, RayOrigins::Common, VolumeLoop::Lit>();
+}
+
+} // namespace HWY_NAMESPACE
+} // namespace treeamr
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace treeamr
+{
+
+HWY_EXPORT(LitLoopsFromOnePoint);
+
+VolumeLoops litVolumeLoopsFromOnePoint()
+{
+  return HWY_DYNAMIC_DISPATCH(LitLoopsFromOnePoint)();
+}
+
+} // namespace treeamr
+#endif
