@@ -57,6 +57,11 @@ scene.look(view)
 check("few-samples", view, FEW_SAMPLES)
 display.SamplesPerCell = 8
 volume = check("volume", view, RELAYED)
+# Values from rank to rank, whose parts of the forest have ranges of their own.
+for blend in "Maximum Intensity", "Minimum Intensity", "Average Intensity", "Additive":
+    display.BlendMode = blend
+    check(blend.split()[0].lower(), view, RELAYED)
+display.BlendMode = "Composite"
 assert reader.GetDataInformation().GetNumberOfCells() > 0
 
 display.LookupTable.ApplyPreset(scene.VIRIDIS, True)
