@@ -21,6 +21,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPVRenderView.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkProp3D.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
@@ -39,6 +40,7 @@
 #include <cmath>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -228,12 +230,20 @@ void vtkTreeAMRRepresentation::RemoveAllBlockSelectors()
 }
 
 //------------------------------------------------------------------------------
+void vtkTreeAMRRepresentation::SetActiveAssembly(const char* assembly)
+{
+  this->ActiveAssembly = assembly ? assembly : "";
+  this->MarkModified();
+}
+
+//------------------------------------------------------------------------------
 void vtkTreeAMRRepresentation::WarnOfBlocks(const char* property)
 {
   if (this->SaidOfGrids.insert(property).second)
   {
-    vtkWarningMacro(<< property << " are without effect: a collection is drawn as one grid. Extract a block to show it "
-                                   "in its own colour or opacity.");
+    vtkWarningMacro(<< property
+                    << " are without effect: a collection is drawn as one grid. Extract a block to show it "
+                       "in its own colour or opacity.");
   }
 }
 
@@ -242,21 +252,26 @@ void vtkTreeAMRRepresentation::KeepSelectedBlocks(
   vtkDataObject* input, std::vector<treeamr::NamedGrid>& grids) const
 {
   vtkCompositeDataSet* const collection = vtkCompositeDataSet::SafeDownCast(input);
-  if (!collection || std::find(this->BlockSelectors.begin(), this->BlockSelectors.end(), "/") != this->BlockSelectors.end())
+  vtkNew<vtkDataAssembly> hierarchy;
+  if (!collection ||
+    std::find(this->BlockSelectors.begin(), this->BlockSelectors.end(), "/") != this->BlockSelectors.end() ||
+    !vtkDataAssemblyUtilities::GenerateHierarchy(collection, hierarchy))
   {
     return;
   }
-  vtkNew<vtkDataAssembly> hierarchy;
-  std::vector<unsigned int> selected;
-  if (vtkDataAssemblyUtilities::GenerateHierarchy(collection, hierarchy))
-  {
-    selected = vtkDataAssemblyUtilities::GetSelectedCompositeIds(this->BlockSelectors, hierarchy, nullptr, true);
-  }
-  grids.erase(std::remove_if(grids.begin(), grids.end(),
-                [&](const treeamr::NamedGrid& grid) {
-                  return std::find(selected.begin(), selected.end(), grid.flatIndex) == selected.end();
-                }),
-    grids.end());
+  auto* const partitioned = vtkPartitionedDataSetCollection::SafeDownCast(input);
+  vtkDataAssembly* const assembly = partitioned ? partitioned->GetDataAssembly() : nullptr;
+  const std::vector<unsigned int> selected = assembly && this->ActiveAssembly == "Assembly"
+    ? vtkDataAssemblyUtilities::GetSelectedCompositeIds(this->BlockSelectors, assembly, partitioned)
+    : hierarchy->GetDataSetIndices(hierarchy->SelectNodes(this->BlockSelectors));
+  // Partitions and pieces are no nodes of their own: they follow theirs.
+  std::vector<unsigned int> nodes = hierarchy->GetDataSetIndices(vtkDataAssembly::GetRootNode());
+  std::sort(nodes.begin(), nodes.end());
+  const auto isHidden = [&](const treeamr::NamedGrid& grid) {
+    const unsigned int node = *std::prev(std::upper_bound(nodes.begin(), nodes.end(), grid.flatIndex));
+    return std::find(selected.begin(), selected.end(), node) == selected.end();
+  };
+  grids.erase(std::remove_if(grids.begin(), grids.end(), isHidden), grids.end());
 }
 
 //------------------------------------------------------------------------------
@@ -348,8 +363,9 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
     {
       if (this->NeedsOrderedCompositing() && !keepsBoxes(matrix) && this->SaidOfGrids.insert("turned").second)
       {
-        vtkWarningMacro("A display that is turned by other than right angles: of several ranks one may be drawn over "
-                        "another in the wrong order. One rank draws it right.");
+        vtkWarningMacro(
+          "A display that is turned by other than right angles: of several ranks one may be drawn over "
+          "another in the wrong order. One rank draws it right.");
       }
       this->WarnOfOtherBoxes();
     }

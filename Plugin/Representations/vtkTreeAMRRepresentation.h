@@ -54,9 +54,11 @@ public:
   void SetPickable(int pickable);
   ///@}
   ///@{
-  /// Of vtkGeometryRepresentation: which grids of a collection are drawn, by selectors of its hierarchy. Default "/": all.
+  /// Of vtkGeometryRepresentation: which grids of a collection are drawn, by selectors of its hierarchy, or of the assembly
+  /// that it has itself when that is "Assembly". Default "/": all.
   void AddBlockSelector(const char* selector);
   void RemoveAllBlockSelectors();
+  void SetActiveAssembly(const char* assembly);
   ///@}
   ///@{
   /// Of vtkGeometryRepresentation: without effect, which is said once.
@@ -134,6 +136,7 @@ private:
   std::string LastLeftOut;           // by MergeGrids()
   std::set<std::string> SaidOfGrids;
   std::vector<std::string> BlockSelectors{ "/" };
+  std::string ActiveAssembly;
   double LocalBounds[6];
   bool HasExecuted = false; // RequestData(), in this update of the view
 };

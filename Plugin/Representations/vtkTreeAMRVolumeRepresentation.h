@@ -165,7 +165,7 @@ private:
   double GetStatistic(const char* name);
 
   std::shared_ptr<RankPeers> Peers; // null: there are none
-  double UnitDistance = 1.;
+  double UnitDistance = 0.;
   bool UsesOpacityArray = false;
   bool UsesTransfer2D = false;
   bool UsesGradient = true;

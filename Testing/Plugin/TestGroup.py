@@ -1,8 +1,9 @@
 """Groups of grids are drawn as one where they lie on one lattice, else refused with an error."""
 
+import unittest
+
 import numpy
 from paraview import servermanager, simple
-from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet
 
 import scene
 
@@ -33,23 +34,20 @@ class TestGroup(scene.TestCase):
             self.assertGreater(scene.drawn(pictures[0]).mean(), 0.02)
             self.assertEqual(0, numpy.abs(pictures[0] - pictures[1]).max())
 
-    def test_hidden_blocks(self):
-        """What the inspector of blocks hides is not drawn, and is drawn again."""
-        source = simple.TreeAMRExample(Dataset="Synthetic")
-        mirror = simple.HyperTreeGridAxisReflection(Input=source, PlaneNormal="X Axis", PlanePosition=4)
-        group = simple.GroupDatasets(Input=[source, mirror])
-        group.UpdatePipeline()
-        first = servermanager.Fetch(group).GetMetaData(0).Get(vtkCompositeDataSet.NAME())
+    def compare_blocks(self, group, alone, first, assembly=None):
+        """Pictures of all blocks, of the one that a selector names, of all again, of none, and of that one's source."""
         view = scene.view()
         for kind in ("Tree AMR Volume", "Tree AMR Isosurface"):
             pictures = {}
-            for name, shown, selectors in (("both", group, ["/"]), ("first", group, ["/Root/" + first]),
-                                           ("again", group, ["/Root"]), ("none", group, []), ("alone", source, ["/"])):
+            for name, shown, selectors in (("both", group, ["/"]), ("first", group, [first]), ("again", group, ["/Root"]),
+                                           ("none", group, []), ("alone", alone, ["/"])):
                 representation = simple.Show(shown, view)
                 simple.ColorBy(representation, ("CELLS", "xyz"))
                 representation.SetRepresentationType(kind)
                 representation.ScalarOpacityUnitDistance = 0.8
                 representation.BlockSelectors = selectors
+                if assembly:
+                    representation.Assembly = assembly
                 if not pictures:
                     scene.look(view)
                     simple.ResetCamera(view)
@@ -59,6 +57,35 @@ class TestGroup(scene.TestCase):
             self.assertTrue(scene.close((pictures["both"], pictures["again"])))
             self.assertFalse(scene.close((pictures["both"], pictures["first"])))
             self.assertFalse(scene.drawn(pictures["none"]).any())
+
+    def test_hidden_blocks(self):
+        """What the inspector of blocks hides is not drawn, and is drawn again."""
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        mirror = simple.HyperTreeGridAxisReflection(Input=source, PlaneNormal="X Axis", PlanePosition=4)
+        for kind in ("vtkMultiBlockDataSet", "vtkPartitionedDataSetCollection"):
+            group = simple.GroupDatasets(Input=[source, mirror], OutputType=kind)
+            group.UpdatePipeline()
+            hierarchy = group.GetDataInformation().GetHierarchy()
+            self.compare_blocks(group, source, hierarchy.GetNodePath(hierarchy.GetChild(0, 0)))
+
+    @unittest.skipIf(scene.PARAVIEW < (5, 13), "displays have no Assembly")
+    def test_hidden_blocks_of_an_assembly(self):
+        """By names of the collection's own; the second block is first in it."""
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        mirror = simple.HyperTreeGridAxisReflection(Input=source, PlaneNormal="X Axis", PlanePosition=4)
+        group = simple.GroupDatasets(Input=[source, mirror], OutputType="vtkPartitionedDataSetCollection")
+        named = simple.ProgrammableFilter(Input=group, OutputDataSetType="Same as Input", Script="""
+from vtkmodules.vtkCommonDataModel import vtkDataAssembly
+collection = self.GetOutputDataObject(0)
+collection.ShallowCopy(self.GetInputDataObject(0, 0))
+assembly = vtkDataAssembly()
+assembly.SetRootNodeName("Root")
+for index, name in (1, "mirror"), (0, "original"):
+    assembly.AddDataSetIndex(assembly.AddNode(name), index)
+collection.SetDataAssembly(assembly)
+""")
+        named.UpdatePipeline()
+        self.compare_blocks(named, source, "/Root/original", "Assembly")
 
     def test_two_grids(self):
         group = simple.GroupDatasets(

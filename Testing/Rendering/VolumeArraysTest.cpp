@@ -152,7 +152,7 @@ TEST_F(VolumeArraysTest, litComponentsAsVTK)
     {
       property->SetAmbient(i, 0.3 - 0.08 * i);
       property->SetDiffuse(i, 0.4 + 0.15 * i);
-      property->SetSpecular(i, 0.15 * i);
+      property->SetSpecular(i, vtkHasPhongsHighlights ? 0.15 * i : 0.);
       property->SetSpecularPower(i, 5. + 9. * i);
     }
     EXPECT_LT(pair.difference(), tolerance) << count << ", headlight";

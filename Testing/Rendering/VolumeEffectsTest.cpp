@@ -51,10 +51,48 @@ protected:
     property->ShadeOn();
     property->SetAmbient(0.2);
     property->SetDiffuse(0.45);
-    property->SetSpecular(0.5);
+    property->SetSpecular(vtkHasPhongsHighlights ? 0.5 : 0.);
     property->SetSpecularPower(4.);
   }
 };
+
+struct Lamp
+{
+  int type;
+  Point towards; // of unit length
+  Color color;
+  Color ambient;
+};
+
+double dot(const Point& a, const Point& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// By Phong's model, seen along z, where values increase along a unit vector; one-sided, what faces them is dark.
+Color phong(const Color& color, const Point& increase, vtkVolumeProperty* property, bool isTwoSided,
+  const std::vector<Lamp>& lamps)
+{
+  const bool isHeadlightAlone = lamps.size() == 1 && lamps[0].type == VTK_LIGHT_TYPE_HEADLIGHT;
+  Color result;
+  for (int c = 0; c < 3; ++c)
+  {
+    result[c] = isHeadlightAlone ? property->GetAmbient() * color[c] : 0.;
+    for (const Lamp& lamp : lamps)
+    {
+      const double facing = -dot(increase, lamp.towards);
+      const double mirrored = 2. * facing * -increase[2] - lamp.towards[2];
+      result[c] += isHeadlightAlone ? 0. : property->GetAmbient() * lamp.ambient[c];
+      if (isTwoSided || facing > 0.)
+      {
+        result[c] += lamp.color[c] *
+          (property->GetDiffuse() * std::abs(facing) * color[c] +
+            property->GetSpecular() * std::pow(std::max(mirrored, 0.), property->GetSpecularPower()));
+      }
+    }
+  }
+  return result;
+}
 
 } // namespace
 
@@ -68,6 +106,10 @@ TEST_F(VolumeEffectsTest, headlightAsVTK)
     pair.scene.setCamera(parallel);
     EXPECT_LT(pair.difference(), tolerance) << parallel << ", plain " << plain;
   }
+  if (!vtkHasPhongsHighlights)
+  {
+    return;
+  }
   pair.scene.renderer->SetTwoSidedLighting(false);
   EXPECT_LT(pair.difference(), tolerance) << "one-sided";
   // Of the mean over all pixels narrow highlights are a small part.
@@ -76,6 +118,50 @@ TEST_F(VolumeEffectsTest, headlightAsVTK)
   pair.property()->SetSpecular(1.);
   pair.property()->SetSpecularPower(1.);
   EXPECT_LT(pair.difference(), tolerance) << "wide highlights alone";
+}
+
+// Of a linear field the normals are known.
+TEST_F(VolumeEffectsTest, slicesOfLinearFieldsAreLitByPhongsModel)
+{
+  const Color color{ 0.4, 0.6, 0.5 };
+  const Lamp headlight{ VTK_LIGHT_TYPE_HEADLIGHT, { 0., 0., 1. }, { 1., 0.9, 0.8 }, { 0., 0., 0. } };
+  const Lamp sun{ VTK_LIGHT_TYPE_SCENE_LIGHT, { 0.6, 0., 0.8 }, { 0.9, 0.7, 0.5 }, { 0.3, 0.1, 0.6 } };
+  const Lamp other{ VTK_LIGHT_TYPE_SCENE_LIGHT, { -0.48, 0.64, 0.6 }, { 0.2, 0.5, 0.4 }, { 0.1, 0., 0. } };
+  for (const double angle : { 0., 0.4, 0.9, 2.8, 3.5 })
+  {
+    const Point increase{ std::sin(angle), 0., std::cos(angle) };
+    for (const std::vector<Lamp>& lamps : { std::vector{ headlight }, { sun }, { sun, other } })
+    {
+      Scene scene;
+      vtkVolume* volume =
+        scene.addVolume(makeGrid({}, { { "linear", [&](const Point& p) { return dot(increase, p); } } }),
+          "linear", color, 50.);
+      setLight(volume->GetProperty());
+      volume->GetProperty()->SetSpecular(0.4);
+      vtkNew<vtkPlane> plane;
+      volume->GetProperty()->SetSliceFunction(plane);
+      Scene::mapperOf(volume)->SetBlendModeToSlice();
+      scene.renderer->AutomaticLightCreationOff();
+      for (const Lamp& lamp : lamps)
+      {
+        addLight(scene.renderer, lamp.type, lamp.towards, lamp.color)->SetAmbientColor(lamp.ambient.data());
+      }
+      scene.setCameraAlongZ();
+      scene.useFloatTarget();
+      for (const bool isTwoSided : { true, false })
+      {
+        scene.renderer->SetTwoSidedLighting(isTwoSided);
+        const auto pixel =
+          scene.render()[static_cast<std::size_t>(scene.height() / 2) * scene.width() + scene.width() / 2];
+        const Color expected = phong(color, increase, volume->GetProperty(), isTwoSided, lamps);
+        for (int c = 0; c < 3; ++c)
+        {
+          EXPECT_NEAR(pixel[c], expected[c], 1e-5)
+            << angle << ", " << lamps.size() << ", " << isTwoSided << ", " << c;
+        }
+      }
+    }
+  }
 }
 
 TEST_F(VolumeEffectsTest, otherLightsAsVTK)
