@@ -87,6 +87,15 @@ collection.SetDataAssembly(assembly)
         named.UpdatePipeline()
         self.compare_blocks(named, source, "/Root/original", "Assembly")
 
+    @unittest.skipIf(scene.PARAVIEW < (6, 0), "there is no such filter for hyper tree grids")
+    def test_axis_aligned_reflection(self):
+        """Both halves are drawn, and one by its name in the assembly, which displays take by default."""
+        source = simple.TreeAMRExample(Dataset="Synthetic")
+        both = simple.AxisAlignedReflect(Input=source, PlaneMode="X Max")
+        both.UpdatePipeline()
+        self.assertEqual((0, 8), both.GetDataInformation().GetBounds()[:2])
+        self.compare_blocks(both, source, "/Root/Input")
+
     def test_two_grids(self):
         group = simple.GroupDatasets(
             Input=[simple.TreeAMRExample(Dataset="Synthetic"), simple.TreeAMRExample(MaximumLevel=4)])

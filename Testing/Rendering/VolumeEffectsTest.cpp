@@ -132,10 +132,9 @@ TEST_F(VolumeEffectsTest, slicesOfLinearFieldsAreLitByPhongsModel)
     const Point increase{ std::sin(angle), 0., std::cos(angle) };
     for (const std::vector<Lamp>& lamps : { std::vector{ headlight }, { sun }, { sun, other } })
     {
-      Scene scene;
-      vtkVolume* volume =
-        scene.addVolume(makeGrid({}, { { "linear", [&](const Point& p) { return dot(increase, p); } } }),
-          "linear", color, 50.);
+      Scene scene(61, 45); // with a pixel in the middle
+      const auto linear = [&](const Point& p) { return dot(increase, p); };
+      vtkVolume* volume = scene.addVolume(makeGrid({}, { { "linear", linear } }), "linear", color, 50.);
       setLight(volume->GetProperty());
       volume->GetProperty()->SetSpecular(0.4);
       vtkNew<vtkPlane> plane;
