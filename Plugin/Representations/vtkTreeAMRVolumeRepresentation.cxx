@@ -202,8 +202,6 @@ void vtkTreeAMRVolumeRepresentation::UpdateMapper(vtkAlgorithmOutput* grid)
     this->UsesTransfer2D ? vtkVolumeProperty::TF_2D : vtkVolumeProperty::TF_1D);
   this->Mapper->SetTransfer2DYAxisArray(
     this->UsesTransfer2D && !this->UsesGradient ? this->SecondArray.c_str() : "");
-  // ParaView's domain makes it negative, or leaves the 0, for a grid of which VTK 9.3 or 9.6 knows no bounds
-  // (computeLocalBounds()).
   double distance = this->UnitDistance;
   if (distance <= 0.)
   {
