@@ -214,7 +214,8 @@ class TestGui(unittest.TestCase):
 
 def left_and_right(name):
     """Of the volume, what the message window does not hide of it."""
-    view = pixels(f"session/{name}").reshape(3, 1200, 1600)[:, 720:980, 310:740]
+    first, last = (358, 750) if scene.PARAVIEW >= (6, 1) else (310, 740)
+    view = pixels(f"session/{name}").reshape(3, 1200, 1600)[:, 720:980, first:last]
     return np.split(view, 2, axis=2)
 
 
