@@ -23,7 +23,7 @@ namespace treeamr::test
 
 /// Of VTK 9.1's volume mapper the highlights are powers of the normal's cosine to the view, or to halves between light and a
 /// view from a mirrored point, of the last light alone; and a headlight lights the other side than the same light of the scene.
-/// What ours are, VolumeEffectsTest has: slicesOfLinearFieldsAreLitByPhongsModel.
+/// Without highlights, too, lights that are no headlights differ there, which is not explained. What ours are, VolumeEffectsTest has: slicesOfLinearFieldsAreLitByPhongsModel.
 constexpr bool vtkHasPhongsHighlights = VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0);
 
 /// Waves that a smooth opacity function shows.
