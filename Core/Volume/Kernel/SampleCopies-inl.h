@@ -24,9 +24,10 @@ namespace treeamr
 namespace HWY_NAMESPACE
 {
 
-/// Narrow vectors are full as they are, and have no instruction that sorts lanes.
+/// Whether rays may have several samples side by side: narrow vectors are full as they are, and have no instruction that
+/// sorts lanes.
 template <class Real>
-constexpr bool hasSampleCopies = std::is_same_v<Real, float>&& lanes<Real> >= 8;
+constexpr bool hasSampleCopies = lanes<Real> >= 8 && std::is_same_v<Real, float>;
 
 /// Where samples of some of a vector's rays are put: `copies` times all of these rays, one sample after the other.
 template <class Real>

@@ -217,9 +217,8 @@ protected:
       {
         for (int part = 0; part < parts_; ++part)
         {
-          !isLit&& block.preIntegrate
-            ? integrateWithoutStops<!isLit>(values, block, box, lattice, active, part)
-            : integrateWithoutStops<false>(values, block, box, lattice, active, part);
+          block.preIntegrate ? integrateWithoutStops<!isLit>(values, block, box, lattice, active, part)
+                             : integrateWithoutStops<false>(values, block, box, lattice, active, part);
         }
         return;
       }
