@@ -21,7 +21,8 @@ constexpr std::size_t largeArrayBytes = 2 * largePage;
 
 /// From operator new, on large pages; bytes: largeArrayBytes or more. Throws std::bad_alloc.
 void* allocateLarge(std::size_t bytes);
-/// The pages go back to the system, wherever operator new has found them: C's library keeps those between others' blocks.
+/// The pages of so many bytes go back to the system, wherever operator new has found them: C's library keeps those between
+/// others' blocks. 0 where nobody knows how many they are.
 void releaseLarge(void* memory, std::size_t bytes) noexcept;
 
 /// As std::allocator, for arrays that may be large.

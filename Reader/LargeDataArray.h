@@ -5,8 +5,6 @@
 
 #include "vtkAOSDataArrayTemplate.h"
 
-#include <new>
-
 namespace treeamr
 {
 
@@ -22,9 +20,8 @@ void allocateTuples(vtkAOSDataArrayTemplate<T>* array, vtkIdType tuples)
   }
   array->SetArray(LargeAllocator<T>().allocate(count), static_cast<vtkIdType>(count), 0,
     vtkAbstractArray::VTK_DATA_ARRAY_USER_DEFINED);
-  // VTK does not tell how many bytes they are, which releaseLarge() wants to know.
-  array->SetArrayFreeFunction(
-    [](void* memory) { ::operator delete(memory, std::align_val_t(largePage)); });
+  // VTK does not tell how many bytes they are: none go back to the system before their time.
+  array->SetArrayFreeFunction([](void* memory) { releaseLarge(memory, 0); });
 }
 
 } // namespace treeamr

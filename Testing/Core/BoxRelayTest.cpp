@@ -73,9 +73,11 @@ TEST(BoxOrder, BoxesThatNoPlanePartsAreAnError)
   EXPECT_THROW(frontToBack({ { 0, {}, { 2, 2, 1 } }, { 0, {}, { 2, 1, 2 } } }, domain.grid, camera), Error);
 }
 
-TEST(BoxRelay, BoxesTogetherAreTheWhole)
+/// Pictures that boxes make together, and that of the whole domain, in several cuts, views and with something opaque or not:
+/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it).
+template <class Check>
+void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check)
 {
-  const Domain domain;
   for (const int parts : { 2, 3, 8 })
   {
     const std::vector<LatticeBox> boxes = domain.cut(parts);
@@ -88,7 +90,7 @@ TEST(BoxRelay, BoxesTogetherAreTheWhole)
           hasOpaque ? randomDepths(camera, domain.grid.bounds()) : std::vector<float>();
         Image whole(width, height);
         const VolumeStatistics ofWhole = renderVolume(*domain.field, smooth(), camera,
-          RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr), fine(), whole);
+          RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr), settings, whole);
         Mailbox mailbox;
         std::mutex mutex;
         std::uint64_t samples = 0;
@@ -103,21 +105,31 @@ TEST(BoxRelay, BoxesTogetherAreTheWhole)
           if (relay.begin(true))
           {
             const VolumeStatistics statistics =
-              volumeOf(*domain.field, smooth()).render({ camera, stops }, fine(), image, relay);
+              volumeOf(*domain.field, smooth()).render({ camera, stops }, settings, image, relay);
             const std::lock_guard lock(mutex);
             samples += statistics.samples;
           }
         });
-        EXPECT_LT(largestDifference(together(images), whole), tolerance)
-          << parts << " boxes, " << view.name << (hasOpaque ? ", opaque" : "");
-        EXPECT_TRUE(mailbox.isEmpty());
-        if (std::string(view.name) != "inside" && !hasOpaque) // there are some that see nothing
-        {
-          EXPECT_LT(static_cast<double>(samples), 1.2 * static_cast<double>(ofWhole.samples)) << view.name;
-        }
+        const std::string about =
+          std::to_string(parts) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
+        check(largestDifference(together(images), whole), samples, ofWhole.samples, hasOpaque, view, about);
+        EXPECT_TRUE(mailbox.isEmpty()) << about;
       }
     }
   }
+}
+
+TEST(BoxRelay, BoxesTogetherAreTheWhole)
+{
+  forEachPicture(Domain(), fine(),
+    [](float difference, std::uint64_t samples, std::uint64_t ofWhole, bool hasOpaque, const View& view,
+      const std::string& about) {
+      EXPECT_LT(difference, tolerance) << about;
+      if (std::string(view.name) != "inside" && !hasOpaque) // there are some that see nothing
+      {
+        EXPECT_LT(static_cast<double>(samples), 1.2 * static_cast<double>(ofWhole)) << about;
+      }
+    });
 }
 
 TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
@@ -228,40 +240,10 @@ TEST(BoxRelay, BlendsOfValuesTogetherAreTheWhole)
     settings.blend = blend;
     settings.unitDistance = 20.; // sums are neither black nor white
     settings.averageRange = { 0.2f, 0.9f };
-    for (const int parts : { 2, 3, 8 })
-    {
-      const std::vector<LatticeBox> boxes = domain.cut(parts);
-      for (const View& view : views())
-      {
-        for (const bool hasOpaque : { false, true })
-        {
-          const Camera camera(view.clip, width, height);
-          const std::vector<float> depths =
-            hasOpaque ? randomDepths(camera, domain.grid.bounds()) : std::vector<float>();
-          Image whole(width, height);
-          renderVolume(*domain.field, smooth(), camera,
-            RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr), settings, whole);
-          Mailbox mailbox;
-          const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
-            Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
-            const Bounds box = boxes[own].bounds(domain.grid);
-            const std::vector<float> ownDepths =
-              hasOpaque ? depthsIn(box, domain.grid.bounds(), camera, depths) : depths;
-            RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
-            stops.cut.addBox(box);
-            BoxRelay relay(boxes, own, domain.grid, peers, camera, stops.endDepth, image);
-            if (relay.begin(true))
-            {
-              volumeOf(*domain.field, smooth()).render({ camera, stops }, settings, image, relay);
-            }
-          });
-          EXPECT_LT(largestDifference(together(images), whole), isExtreme ? 1e-5f : 2e-3f)
-            << static_cast<int>(blend) << ", " << parts << " boxes, " << view.name
-            << (hasOpaque ? ", opaque" : "");
-          EXPECT_TRUE(mailbox.isEmpty());
-        }
-      }
-    }
+    forEachPicture(
+      domain, settings, [&](float difference, auto&&, auto&&, auto&&, auto&&, const std::string& about) {
+        EXPECT_LT(difference, isExtreme ? 1e-5f : 2e-3f) << static_cast<int>(blend) << ", " << about;
+      });
   }
 }
 

@@ -288,20 +288,23 @@ protected:
     Reals<Real> greens = zero;
     Reals<Real> blues = zero;
     Reals<Real> opacities = zero;
-    const auto integrateThem = [&] {
+    const auto forAll = [&](const auto& use) {
       for (int a = 0; a < 3; ++a)
       {
-        hn::Store(directions[a], d, direction_[a] + packed);
+        use(directions[a], direction_[a]);
         if (!startAtReference)
         {
-          hn::Store(origins[a], d, origin_[a] + packed);
+          use(origins[a], origin_[a]);
         }
       }
-      hn::Store(lengths, d, lengthPerT_ + packed);
-      hn::Store(reds, d, red_ + packed);
-      hn::Store(greens, d, green_ + packed);
-      hn::Store(blues, d, blue_ + packed);
-      hn::Store(opacities, d, opacity_ + packed);
+      use(lengths, lengthPerT_);
+      use(reds, red_);
+      use(greens, green_);
+      use(blues, blue_);
+      use(opacities, opacity_);
+    };
+    const auto integrateThem = [&] {
+      forAll([&](Reals<Real> numbers, Real* ofRays) { hn::Store(numbers, d, ofRays + packed); });
       hn::Store(ends, d, end_[0] + packed);
       integrateVector<PreIntegrated>(values, block, lattice, packed, begins, ends);
       rays.unpack(packed, red_, green_, blue_, opacity_);
@@ -341,19 +344,9 @@ protected:
       rays.add(ray, crosses, count);
       begins = rays.with(begins, begin);
       ends = rays.with(ends, end);
-      for (int a = 0; a < 3; ++a)
-      {
-        directions[a] = rays.with(directions[a], hn::Load(d, direction_[a] + ray));
-        if (!startAtReference)
-        {
-          origins[a] = rays.with(origins[a], hn::Load(d, origin_[a] + ray));
-        }
-      }
-      lengths = rays.with(lengths, hn::Load(d, lengthPerT_ + ray));
-      reds = rays.with(reds, hn::Load(d, red_ + ray));
-      greens = rays.with(greens, hn::Load(d, green_ + ray));
-      blues = rays.with(blues, hn::Load(d, blue_ + ray));
-      opacities = rays.with(opacities, hn::Load(d, opacity_ + ray));
+      forAll([&](Reals<Real>& numbers, const Real* ofRays) {
+        numbers = rays.with(numbers, hn::Load(d, ofRays + ray));
+      });
     }
     if (rays.count() > 0)
     {
