@@ -478,20 +478,61 @@ private:
     return isFan() ? static_cast<Real>(t * scene_.dataScale / lengthPerT_[r]) : tToKernel(t);
   }
 
+  /// Groups by child. Where a group is a vector, its lanes are kept until the end: to ask for each vector whether any is
+  /// set takes as long as the rest.
+  class ChildGroups
+  {
+  public:
+    ChildGroups()
+    {
+      for (int child = 0; child < 8 && !isVector; ++child)
+      {
+        words_[child][0] = 0;
+      }
+    }
+    /// isFirst: of the group and child.
+    HWY_INLINE void add(int child, int group, Mask<Real> crosses, bool isFirst)
+    {
+      const RealTag<Real> d;
+      if constexpr (isVector)
+      {
+        std::uint16_t lanesOfGroup = 0;
+        hn::StoreMaskBits(d, crosses, reinterpret_cast<std::uint8_t*>(&lanesOfGroup));
+        words_[child][group] = isFirst ? lanesOfGroup : words_[child][group] | lanesOfGroup;
+      }
+      else
+      {
+        words_[child][0] |= static_cast<std::uint16_t>(!hn::AllFalse(d, crosses) << group);
+      }
+    }
+    /// active: groups that have been added.
+    HWY_INLINE GroupMask of(int child, GroupMask active) const
+    {
+      std::uint16_t mask = words_[child][0];
+      if constexpr (isVector)
+      {
+        const hn::CappedTag<std::uint16_t, groups> d;
+        hn::StoreMaskBits(
+          d, hn::Ne(hn::Load(d, words_[child]), hn::Zero(d)), reinterpret_cast<std::uint8_t*>(&mask));
+      }
+      return mask & active;
+    }
+
+  private:
+    static constexpr bool isVector = lanes<Real> == groupRays;
+    HWY_ALIGN std::uint16_t words_[8][isVector ? groups : 1]; // of groups that are not added: anything
+  };
+
   /// For each of a node's children the groups of which a ray crosses it. OnePart: no ray of the tile has more.
   template <bool OnePart>
   HWY_INLINE void cross(
     const Box<Real>& box, const std::array<Real, 3>& middle, GroupMask active, GroupMask (&children)[8]) const
   {
     const RealTag<Real> d;
-    for (GroupMask& child : children)
+    ChildGroups crossing;
+    for (GroupMask rest = active; rest != 0; rest &= rest - 1)
     {
-      child = 0;
-    }
-    for (; active != 0; active &= active - 1)
-    {
-      const int group = std::countr_zero(active);
-      unsigned any = 0; // mask of children
+      const int group = std::countr_zero(rest);
       for (int ray = group * groupRays; ray < (group + 1) * groupRays; ray += lanes<Real>)
       {
         Reals<Real> begin[3][2];
@@ -520,17 +561,17 @@ private:
               const Reals<Real> endYZ = hn::Min(end[1][y], endZ);
               for (int x = 0; x < 2; ++x)
               {
-                const Mask<Real> crosses = hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ));
-                any |= static_cast<unsigned>(!hn::AllFalse(d, crosses)) << (x + 2 * y + 4 * z);
+                crossing.add(x + 2 * y + 4 * z, group,
+                  hn::Lt(hn::Max(begin[0][x], beginYZ), hn::Min(end[0][x], endYZ)), part == 0);
               }
             }
           }
         }
       }
-      for (int c = 0; c < 8; ++c)
-      {
-        children[c] |= static_cast<GroupMask>(any >> c & 1) << group;
-      }
+    }
+    for (int c = 0; c < 8; ++c)
+    {
+      children[c] = crossing.of(c, active);
     }
   }
 

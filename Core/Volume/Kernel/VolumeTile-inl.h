@@ -223,12 +223,6 @@ private:
       visitBlock(BlockCells::Means, children, box, active);
       return;
     }
-    std::array<Range, 8> ranges;
-    unsigned wanted = chooseChildren(children, range, ranges);
-    if (wanted == 0)
-    {
-      return;
-    }
     const Vec3 planes = planesBetweenChildren();
     const std::array<Real, 3> middle = inKernel(planes);
     const int nearest = scene_.camera.nearestOctant(planes, scene_.direction);
@@ -236,7 +230,9 @@ private:
     prefetchNodes(children);
     GroupMask crossing[8];
     crossChildren(box, middle, active, crossing);
-    prefetchContents(children, wanted, crossing);
+    std::array<Range, 8> ranges;
+    unsigned wanted = chooseChildren(children, crossing, range, ranges);
+    prefetchContents(children, wanted);
     bool hasValues = false;
     Block<Real> block;
     for (int i = 0; i < 8; ++i)
@@ -250,10 +246,10 @@ private:
       {
         crossing[octant] = blends_.open(
           crossing[octant], blends_.mostOf(children.leaf >> octant & 1 ? range : ranges[octant]));
-      }
-      if (crossing[octant] == 0)
-      {
-        continue;
+        if (crossing[octant] == 0)
+        {
+          continue;
+        }
       }
       const Box<Real> childBox = boxOfChild(box, middle, octant);
       if (children.leaf >> octant & 1)
@@ -357,20 +353,25 @@ private:
     return true;
   }
 
-  /// Mask of the children in which there may be something to draw, whatever the rays. ranges: of inner ones, when
-  /// empty nodes are skipped.
-  HWY_INLINE unsigned chooseChildren(
-    const Octree::Children& children, const Range& range, std::array<Range, 8>& ranges) const noexcept
+  /// Mask of the children that rays cross and in which there may be something to draw. ranges: of inner ones, when empty
+  /// nodes are skipped.
+  HWY_INLINE unsigned chooseChildren(const Octree::Children& children, const GroupMask (&crossing)[8],
+    const Range& range, std::array<Range, 8>& ranges) const noexcept
   {
+    unsigned crossed = 0;
+    for (int octant = 0; octant < 8; ++octant)
+    {
+      crossed |= static_cast<unsigned>(crossing[octant] != 0) << octant;
+    }
     unsigned wanted = 0;
-    for (unsigned rest = children.inner(); rest != 0; rest &= rest - 1)
+    for (unsigned rest = children.inner() & crossed; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
       const NodeRef child(NodeKind::Inner, path_.depth + 1, children.innerIndex(octant));
       ranges[octant] = range;
       wanted |= static_cast<unsigned>(isVisible(child, ranges[octant])) << octant;
     }
-    for (unsigned rest = children.leaf; rest != 0; rest &= rest - 1)
+    for (unsigned rest = children.leaf & crossed; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
       wanted |= static_cast<unsigned>(!octree_.isGhost(children.leafIndex(octant))) << octant;
@@ -396,16 +397,11 @@ private:
   }
 
   /// Values and ranges of the children that will be visited.
-  HWY_INLINE void prefetchContents(
-    const Octree::Children& children, unsigned wanted, const GroupMask (&crossing)[8]) const noexcept
+  HWY_INLINE void prefetchContents(const Octree::Children& children, unsigned wanted) const noexcept
   {
     for (unsigned rest = children.inner() & wanted; rest != 0; rest &= rest - 1)
     {
       const int octant = std::countr_zero(rest);
-      if (crossing[octant] == 0)
-      {
-        continue;
-      }
       const std::uint64_t child = children.innerIndex(octant);
       const Octree::Children below = octree_.children(child);
       if (below.leaf != 0)
