@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace treeamr
 {
@@ -10,7 +11,8 @@ namespace treeamr
 class Error : public std::runtime_error
 {
 public:
-  using std::runtime_error::runtime_error;
+  /// Bytes of a file that are no UTF-8 are shown as "?": Python takes no other text, and would lose all of it.
+  explicit Error(const std::string& text);
 };
 
 } // namespace treeamr

@@ -23,6 +23,7 @@
 #include <algorithm>
 #include <cctype>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -250,17 +251,33 @@ void vtkTreeAMRP4estReader::SetCellArrayStatus(const char* name, int status)
 
 // ParaView tells the statuses of a saved state before the Payload whose arrays they are, together with those
 // of the arrays there were until then. A list with arrays on and others off is meant as a whole, and so is one that
-// turns off all arrays that this reader has told of: that is what an empty list in a Python state comes to.
+// turns off all arrays that this reader has told of: that is what an empty list in a Python state comes to. Of such a
+// list ParaView does not tell again what another Payload has taken away and the next one brings back.
 void vtkTreeAMRP4estReader::SetSelectableArrays(const std::vector<std::string>& names)
 {
   vtkDataArraySelection* const selection = this->CellDataArraySelection;
   const bool someOff = selection->GetNumberOfArraysEnabled() < selection->GetNumberOfArrays();
-  if (someOff)
+  std::map<std::string, int> back;
+  for (const std::string& name : names)
   {
-    for (int i = 0; i < selection->GetNumberOfArrays(); ++i)
+    auto node = this->LostStatuses.extract(name);
+    if (node && someOff && !selection->ArrayExists(name.c_str()))
     {
-      const char* const name = selection->GetArrayName(i);
-      if (selection->GetArraySetting(i) && std::ranges::find(names, name) == names.end())
+      back.insert(std::move(node));
+    }
+  }
+  if (!someOff)
+  {
+    this->LostStatuses.clear();
+  }
+  for (int i = 0; i < selection->GetNumberOfArrays() && someOff; ++i)
+  {
+    const char* const name = selection->GetArrayName(i);
+    if (std::ranges::find(names, name) == names.end())
+    {
+      const int status = selection->GetArraySetting(i);
+      this->LostStatuses[name] = status;
+      if (status)
       {
         this->UnknownArrays.insert(name);
       }
@@ -276,6 +293,10 @@ void vtkTreeAMRP4estReader::SetSelectableArrays(const std::vector<std::string>& 
   const bool allOff = someOff && selection->GetNumberOfArraysEnabled() == 0 && this->HasToldOfArrays;
   selection->SetArraysWithDefault(
     list.data(), static_cast<int>(list.size()), !allOff && !(someOff && someOn));
+  for (const auto& [name, status] : back)
+  {
+    selection->SetArraySetting(name.c_str(), status);
+  }
   this->HasToldOfArrays = true;
 }
 

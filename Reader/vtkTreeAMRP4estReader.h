@@ -43,6 +43,7 @@
 #include "vtkNew.h"
 #include "vtkTreeAMRReaderModule.h"
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -147,6 +148,7 @@ private:
   vtkNew<vtkDataArraySelection> CellDataArraySelection;
   bool HasToldOfArrays = false;
   std::set<std::string> UnknownArrays;
+  std::map<std::string, int> LostStatuses; // of arrays that another Payload has taken away
   std::string LastRemark;
 
   vtkTreeAMRP4estReader(const vtkTreeAMRP4estReader&) = delete;

@@ -548,6 +548,7 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source,
   // Above the depth limit cells have means of leaves, which no array holds.
   const bool copies = this->InterpolationMethod == NEAREST && !IsLimited(source);
   std::vector<vtkIdType> places;
+  bool hasCells = true;
   for (const std::string& name :
     treeamr::takenArrays(*source, *this->CellDataArraySelection, this->SelectionIsFinal))
   {
@@ -563,13 +564,17 @@ void vtkTreeAMRProbeFilter::Probe(vtkDataSet* input, vtkHyperTreeGrid* source,
       results.push_back(
         SampleArray(input, source, name, method, this->ComputeGradients, valid, octrees, corners, remarks));
     }
+    catch (const treeamr::NoCells&)
+    {
+      hasCells = false;
+    }
     catch (const treeamr::Error& e)
     {
       remarks.push_back({ e.what(), e.what() });
     }
   }
 
-  if (results.empty())
+  if (results.empty() && hasCells)
   {
     throw treeamr::Error(remarks.empty()
         ? "probe: the source has no numeric cell array that is named and selected"

@@ -95,8 +95,7 @@ bool CroppingRegions::shows(const Vec3& point) const noexcept
   int region = 0;
   for (int a = 0; a < 3; ++a)
   {
-    // As VTK counts where the lower plane is above the upper one.
-    region += strides[a] * (1 + (point[a] >= planes[2 * a + 1]) - (point[a] <= planes[2 * a]));
+    region += strides[a] * (point[a] <= planes[2 * a] ? 0 : point[a] >= planes[2 * a + 1] ? 2 : 1);
   }
   return shown >> region & 1;
 }

@@ -31,7 +31,8 @@ struct HalfSpace
 struct CroppingRegions
 {
   std::array<double, 6> planes; // lower and upper x, y, z
-  /// Bit x + 3 y + 9 z; 0 is below the lower plane, 1 between the two, 2 above the upper one.
+  /// Bit x + 3 y + 9 z; 0 is below the lower plane, 1 between the two, 2 above the upper one. What is below the lower plane
+  /// is so where it is above the upper one, too, as in VTK.
   std::uint32_t shown;
 
   /// Whether nothing can be between the planes of an axis.

@@ -28,8 +28,10 @@ void check(const VolumeShading& shading)
     }
   };
   const auto three = [](const std::array<float, 3>& rgb) { return Vec3{ rgb[0], rgb[1], rgb[2] }; };
-  checkAll("a coefficient of its light", Vec3{ shading.ambient, shading.diffuse, shading.specular },
-    three(shading.ambientLight));
+  checkAll("an ambient coefficient", Vec3{ shading.ambient, 0., 0. });
+  checkAll("a diffuse coefficient", Vec3{ shading.diffuse, 0., 0. });
+  checkAll("a specular coefficient", Vec3{ shading.specular, 0., 0. });
+  checkAll("an ambient light", three(shading.ambientLight));
   checkAll("an element of the lights' matrix", shading.lightsFromData);
   if (!(shading.specularPower >= 0.f) || !std::isfinite(shading.specularPower))
   {

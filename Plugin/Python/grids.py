@@ -122,7 +122,10 @@ def read(path: str | os.PathLike, payload: str = "", arrays: str | Sequence[str]
         reader = {".htg": vtkIOXML.vtkXMLHyperTreeGridReader, ".vtu": vtkIOXML.vtkXMLUnstructuredGridReader,
                   ".pvtu": vtkIOXML.vtkXMLPUnstructuredGridReader}[suffix]()
         reader.SetFileName(str(file))
-        data = output(reader)
+        try:
+            data = output(reader)
+        except Error as error:  # VTK's do not name the file
+            raise Error(f"{file}: {error}") from None
         return data if suffix == ".htg" else from_unstructured(data)
     reader = vtkTreeAMRP4estReader()
     reader.SetFileName(str(file))

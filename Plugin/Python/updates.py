@@ -28,6 +28,7 @@ class Messages:
         self._errors: list[str] = []
         self._warnings: list[str] = []
         self._objects = objects
+        self.failed: vtkObject | None = None  # whether it says so or not: Python loses texts that are no UTF-8
 
     def __enter__(self) -> Messages:
         @calldata_type(VTK_STRING)
@@ -51,10 +52,13 @@ class Messages:
             # What the executive adds is that an algorithm has failed, with all of its request.
             told = [text for text in self._errors if " returned failure for request" not in text]
             raise Error("; ".join(told or self._errors))
+        if self.failed and kind is None:
+            raise Error(f"{self.failed.GetClassName()} failed without a word")
 
 
 def output(algorithm):
     """The data set that an algorithm makes. Raises Error."""
-    with Messages(algorithm, algorithm.GetExecutive()):
-        algorithm.Update()
+    with Messages(algorithm, algorithm.GetExecutive()) as messages:
+        if not algorithm.GetExecutive().Update(0):
+            messages.failed = algorithm
     return algorithm.GetOutputDataObject(0)

@@ -237,10 +237,14 @@ void vtkTreeAMRRepresentation::SetActiveAssembly(const char* assembly)
 }
 
 //------------------------------------------------------------------------------
-void vtkTreeAMRRepresentation::WarnOfBlocks(const char* property)
+void vtkTreeAMRRepresentation::WarnOfBlocks()
 {
-  if (this->SaidOfGrids.insert(property).second)
+  for (const std::string& property : this->IgnoredOfBlocks)
   {
+    if (!this->SaidOfGrids.insert(property).second)
+    {
+      continue;
+    }
     vtkWarningMacro(<< property
                     << " are without effect: a collection is drawn as one grid. Extract a block to show it "
                        "in its own colour or opacity.");
@@ -335,6 +339,7 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   }
   if (request == vtkPVView::REQUEST_UPDATE())
   {
+    this->WarnOfBlocks();
     if (isOneOfSeveral)
     {
       this->Redistribute(hasFailed);

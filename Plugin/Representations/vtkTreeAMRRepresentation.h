@@ -61,11 +61,11 @@ public:
   void SetActiveAssembly(const char* assembly);
   ///@}
   ///@{
-  /// Of vtkGeometryRepresentation: without effect, which is said once.
-  void SetBlockColor(const char*, double, double, double) { this->WarnOfBlocks("BlockColors"); }
-  void RemoveAllBlockColors() {}
-  void SetBlockOpacity(const char*, double) { this->WarnOfBlocks("BlockOpacities"); }
-  void RemoveAllBlockOpacities() {}
+  /// Of vtkGeometryRepresentation: without effect, which is said once, when they would be seen.
+  void SetBlockColor(const char*, double, double, double) { this->IgnoredOfBlocks.insert("BlockColors"); }
+  void RemoveAllBlockColors() { this->IgnoredOfBlocks.erase("BlockColors"); }
+  void SetBlockOpacity(const char*, double) { this->IgnoredOfBlocks.insert("BlockOpacities"); }
+  void RemoveAllBlockOpacities() { this->IgnoredOfBlocks.erase("BlockOpacities"); }
   ///@}
 
 protected:
@@ -123,7 +123,7 @@ private:
 
   /// Takes those of a collection out that are not selected.
   void KeepSelectedBlocks(vtkDataObject* input, std::vector<treeamr::NamedGrid>& grids) const;
-  void WarnOfBlocks(const char* property);
+  void WarnOfBlocks();
   void MapperProgressed(vtkObject* mapper, unsigned long event, void* part);
   void AskForShownArrays();
   void Redistribute(bool hasFailed);
@@ -135,6 +135,7 @@ private:
   std::set<std::string> TakenArrays; // by Redistribute(): all that have been shown, for each costs it once
   std::string LastLeftOut;           // by MergeGrids()
   std::set<std::string> SaidOfGrids;
+  std::set<std::string> IgnoredOfBlocks; // properties that are given
   std::vector<std::string> BlockSelectors{ "/" };
   std::string ActiveAssembly;
   double LocalBounds[6];

@@ -115,3 +115,16 @@ TEST(Arguments, HitsFitTheirPicture)
   expectRefused(lost);
   expectRefused({});
 }
+
+TEST(Arguments, ErrorsAreTextWhateverBytesTheyTellOf)
+{
+  EXPECT_STREQ(Error("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8c\xb3").what(),
+    "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x8c\xb3");
+  // Latin-1, cut characters, one that takes too many bytes, half of a pair, one beyond the last.
+  EXPECT_STREQ(Error("caf\xe9 x").what(), "caf? x");
+  EXPECT_STREQ(Error("cut \xe2\x82").what(), "cut ??");
+  EXPECT_STREQ(Error("\xe2\x82x").what(), "??x");
+  EXPECT_STREQ(Error("\xc0\xaf").what(), "??");
+  EXPECT_STREQ(Error("\xed\xa0\x80").what(), "???");
+  EXPECT_STREQ(Error("\xf4\x90\x80\x80 \xff").what(), "???? ?");
+}

@@ -66,6 +66,10 @@ DataCut randomCut(std::mt19937& random)
     {
       cut.cropping->planes[2 * a] = -std::abs(uniform(random));
       cut.cropping->planes[2 * a + 1] = std::abs(uniform(random));
+      if (random() % 8 == 0)
+      {
+        std::swap(cut.cropping->planes[2 * a], cut.cropping->planes[2 * a + 1]);
+      }
     }
     cut.cropping->shown = random() & 0x7ffffff;
   }

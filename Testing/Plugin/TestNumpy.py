@@ -156,6 +156,12 @@ class TestNumpy(unittest.TestCase):
         (folder / "no.p8est").write_text("hello")
         with self.assertRaisesRegex(treeamr.Error, "no.p8est: "):
             treeamr.read(folder / "no.p8est")
+        (folder / "no.vtu").write_text("hello")
+        with self.assertRaisesRegex(treeamr.Error, "no.vtu: "):
+            treeamr.read(folder / "no.vtu")
+        (folder / "latin.info").write_bytes("é".encode("latin-1"))
+        with self.assertRaisesRegex(treeamr.Error, 'latin.info: .*begins with "\\?"'):
+            treeamr.read(folder / "latin.info")
         with self.assertRaisesRegex(ValueError, "payload and arrays are of forests"):
             treeamr.read(folder / "sphere.htg", payload="double x")
 

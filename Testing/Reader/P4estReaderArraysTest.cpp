@@ -279,6 +279,26 @@ TEST_F(P4estReaderArraysTest, SelectionBeforeThePayload)
 }
 
 // As a Python state does for an empty list: it turns off what there is without a payload, then come the arrays.
+TEST_F(P4estReaderArraysTest, ChosenArraysComeBackWithTheirPayload)
+{
+  const std::string path = folder_.file("forest.p8est");
+  smallBrick().save(path);
+  reader_->SetFileName(path.c_str());
+  reader_->SetGenerateLevel(true);
+  reader_->SetPayload("float a; double b");
+  reader_->UpdateInformation();
+  reader_->SetCellArrayStatus("b", 0);
+  reader_->SetCellArrayStatus("treeid", 0);
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "a", "level" }));
+  reader_->SetPayload("float c; float d; float e");
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), std::vector<std::string>{ "level" });
+  reader_->SetPayload("float a; double b");
+  reader_->Update();
+  EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "a", "level" }));
+}
+
 TEST_F(P4estReaderArraysTest, AllArraysOffStayOffWithAnotherPayload)
 {
   const std::string path = folder_.file("forest.p8est");

@@ -8,6 +8,7 @@
 #include "Support/HyperTreeGrids.h"
 
 #include "vtkAOSDataArrayTemplate.h"
+#include "vtkBitArray.h"
 #include "vtkCellData.h"
 #include "vtkCharArray.h"
 #include "vtkCommand.h"
@@ -402,4 +403,29 @@ TEST(ProbeFilter, ReportsGridsThatCannotBeProbed)
   interfaces->SetHasInterface(true);
   expectError(interfaces, "material interfaces");
   expectError(makeGrid({ .missingTrees = 1. }), "holds no tree");
+}
+
+TEST(ProbeFilter, OfASourceWithoutCellsNoPointIsValid)
+{
+  const auto grid = makeGrid({ .roots = { 2, 1, 1 } });
+  vtkNew<vtkBitArray> mask;
+  mask->SetNumberOfTuples(grid->GetNumberOfCells());
+  mask->Fill(1.);
+  grid->SetMask(mask);
+  vtkNew<vtkTreeAMRProbeFilter> probe;
+  const MessageCatcher errors(probe, vtkCommand::ErrorEvent);
+  const MessageCatcher warnings(probe, vtkCommand::WarningEvent);
+  probe->SetInputData(randomPoints({ 0., 2., 0., 1., 0., 1. }, 20));
+  probe->SetSourceData(grid);
+  for (int method = vtkTreeAMRProbeFilter::NEAREST; method <= vtkTreeAMRProbeFilter::GTI; ++method)
+  {
+    probe->SetInterpolationMethod(method);
+    probe->Update();
+    ASSERT_EQ(probe->GetOutput()->GetNumberOfPoints(), 20);
+    for (vtkIdType point = 0; point < 20; ++point)
+    {
+      EXPECT_FALSE(isValid(probe->GetOutput(), point));
+    }
+  }
+  EXPECT_TRUE(errors.messages().empty() && warnings.messages().empty());
 }

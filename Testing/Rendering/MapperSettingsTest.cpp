@@ -236,6 +236,10 @@ TEST_F(MapperSettingsTest, planesBetweenWhichNothingIsAreSaid)
   volumeMapper_->CroppingOn();
   volumeMapper_->SetCroppingRegionPlanes(0., 1., 0., 1., 0., 1.);
   const auto shown = scene_.render();
+  volumeMapper_->SetCroppingRegionFlags(0);
+  const auto nothing = scene_.render();
+  ASSERT_NE(nothing, shown);
+  volumeMapper_->SetCroppingRegionFlagsToSubVolume();
   EXPECT_TRUE(messages.warnings.empty());
   for (const double upper : { 0., -1. })
   {
@@ -243,7 +247,7 @@ TEST_F(MapperSettingsTest, planesBetweenWhichNothingIsAreSaid)
     volumeMapper_->SetCroppingRegionPlanes(0., 1., 0., 1., 0., 1.);
     scene_.render();
     volumeMapper_->SetCroppingRegionPlanes(0., 1., 0., upper, 0., 1.);
-    EXPECT_NE(scene_.render(), shown) << upper;
+    EXPECT_EQ(scene_.render(), nothing) << upper;
     scene_.render();
     ASSERT_EQ(messages.warnings.size(), 1u) << upper;
     EXPECT_NE(messages.warnings[0].find("CroppingRegionPlanes"), std::string::npos) << messages.warnings[0];
