@@ -33,6 +33,32 @@ constexpr int tilesOf(int pixels) noexcept
   return (pixels + TileRun::tileWidth - 1) / TileRun::tileWidth;
 }
 
+/// Flags in a message.
+constexpr int flagsOfFloat = 24;
+
+void appendFlags(const std::vector<bool>& flags, std::vector<float>& numbers)
+{
+  for (std::size_t first = 0; first < flags.size(); first += flagsOfFloat)
+  {
+    std::uint32_t bits = 0;
+    for (std::size_t i = first; i < std::min(first + flagsOfFloat, flags.size()); ++i)
+    {
+      bits |= static_cast<std::uint32_t>(flags[i]) << (i - first);
+    }
+    numbers.push_back(static_cast<float>(bits));
+  }
+}
+
+/// Sets those that are set in a message.
+void joinFlags(const float* numbers, std::vector<bool>& flags)
+{
+  for (std::size_t i = 0; i < flags.size(); ++i)
+  {
+    const auto bits = static_cast<std::uint32_t>(numbers[i / flagsOfFloat]);
+    flags[i] = flags[i] || (bits >> i % flagsOfFloat & 1) != 0;
+  }
+}
+
 /// In numbers that floats have.
 std::array<float, 4> keyOf(const Camera& camera, std::span<const double> alike)
 {
@@ -92,6 +118,8 @@ BoxRelay::BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid
   const auto found =
     std::find_if(boxes_.begin(), boxes_.end(), [own](const Box& box) { return box.peer == own; });
   own_ = static_cast<std::size_t>(found - boxes_.begin());
+  box_ = boxes[static_cast<std::size_t>(own)];
+  domain_ = grid.bounds();
 }
 
 BoxRelay::~BoxRelay()
@@ -109,7 +137,7 @@ BoxRelay::~BoxRelay()
   }
 }
 
-bool BoxRelay::begin(bool can, std::span<const double> alike)
+bool BoxRelay::begin(bool can, const Terms& terms)
 {
   if (boxes_.size() < 2 || own_ == boxes_.size())
   {
@@ -121,12 +149,49 @@ bool BoxRelay::begin(bool can, std::span<const double> alike)
     runs_.assign(static_cast<std::size_t>(runsInRow_) * rows_, RunState::None);
     message_.reserve(floatsOfRun);
   }
-  hasBegun_ = this->agree(can, alike);
+  cutsAtFaces_ = terms.cutsAtFaces;
+  this->findCutRuns(terms.hits);
+  hasBegun_ = this->agree(can, terms.alike);
   if (hasBegun_)
   {
     this->start();
   }
   return hasBegun_;
+}
+
+bool BoxRelay::isCutAtFaces(int column, int row) const noexcept
+{
+  return cutRuns_[static_cast<std::size_t>(row * runsInRow_ + column / TileRun::mostTiles)];
+}
+
+/// What is behind or before the domain ends no ray among its cells.
+void BoxRelay::findCutRuns(const TranslucentHits* hits)
+{
+  cutRuns_.assign(static_cast<std::size_t>(runsInRow_) * rows_, false);
+  const auto endsInDomain = [this](int x, int y, float depth) {
+    if (!(depth < 1.f))
+    {
+      return false;
+    }
+    const Ray ray = camera_.ray(x, y);
+    const Vec3 point = pointAt(ray, camera_.tFromDepth(ray, depth));
+    bool isIn = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      isIn = isIn && point[a] >= domain_.min[a] && point[a] <= domain_.max[a];
+    }
+    return isIn;
+  };
+  for (int number = 0; (endDepth_ || hits) && number < runsInRow_ * rows_; ++number)
+  {
+    const TileRun run = runOf(number);
+    bool isCut = false;
+    forEachPixel(run, [&](int x, int y, std::size_t pixel) {
+      isCut = isCut || (hits && hits->first[pixel] < hits->first[pixel + 1]) ||
+        (endDepth_ && endsInDomain(x, y, endDepth_[pixel]));
+    });
+    cutRuns_[static_cast<std::size_t>(number)] = isCut;
+  }
 }
 
 /// In steps of 1, 2, 4 ... processes: each tells another one what all before it have told.
@@ -138,9 +203,11 @@ bool BoxRelay::agree(bool can, std::span<const double> alike)
   const std::size_t count = boxes_.size();
   for (std::size_t step = 1; step < count; step *= 2)
   {
-    std::vector<float> numbers{ all ? 1.f : 0.f };
+    std::vector<float> numbers{ all ? 1.f : 0.f, cutsAtFaces_ ? 1.f : 0.f };
     numbers.insert(numbers.end(), least.begin(), least.end());
     numbers.insert(numbers.end(), most.begin(), most.end());
+    appendFlags(cutRuns_, numbers);
+    const std::size_t messageSize = numbers.size();
     peers_.send(boxes_[(own_ + step) % count].peer, BoxPeers::Channel::Agreement, numbers);
     const int from = boxes_[(own_ + count - step) % count].peer;
     while (peers_.receive(from, BoxPeers::Channel::Agreement, numbers) == BoxPeers::anyone)
@@ -149,10 +216,15 @@ bool BoxRelay::agree(bool can, std::span<const double> alike)
     }
     std::array<float, 4> other;
     all = all && numbers[0] == 1.f;
-    std::copy_n(&numbers[1], 4, other.begin());
+    cutsAtFaces_ = cutsAtFaces_ || numbers[1] == 1.f;
+    std::copy_n(&numbers[2], 4, other.begin());
     least = std::min(least, other);
-    std::copy_n(&numbers[5], 4, other.begin());
+    std::copy_n(&numbers[6], 4, other.begin());
     most = std::max(most, other);
+    if (numbers.size() == messageSize) // that of the same picture
+    {
+      joinFlags(&numbers[10], cutRuns_);
+    }
   }
   return all && least == most;
 }
@@ -359,6 +431,7 @@ void BoxRelay::giveUp()
 bool BoxRelay::end(bool hasFailed)
 {
   hasBegun_ = false;
+  cutRuns_.clear();
   return this->agree(!hasFailed, {}); // a process that is done leaves the processor to the others
 }
 

@@ -4,7 +4,9 @@
 // give nothing of it. So what is put together of their pictures has been rounded once.
 #pragma once
 
+#include "Geometry/Bounds.h"
 #include "Geometry/Image.h"
+#include "Geometry/RayStops.h"
 #include "Partition/BoxOrder.h"
 #include "Partition/BoxPeers.h"
 #include "Volume/TileRelay.h"
@@ -28,15 +30,25 @@ public:
   BoxRelay(const BoxRelay&) = delete;
   BoxRelay& operator=(const BoxRelay&) = delete;
 
+  /// What a process has to tell before it begins.
+  struct Terms
+  {
+    std::span<const double> alike{}; // to be the same on all
+    bool cutsAtFaces = true;         // in the whole image, as the stops say; see TileRelay::box()
+    const TranslucentHits* hits = nullptr; // of this process; null: none
+  };
   /// Whether all that see something of their boxes can, see the same, and have the same numbers in `alike`: else each draws
   /// by itself. Waits for all. Once.
-  bool begin(bool can, std::span<const double> alike = {});
+  bool begin(bool can, const Terms& terms);
+  bool begin(bool can) { return this->begin(can, Terms()); }
   bool hasBegun() const noexcept { return hasBegun_; } // and not ended
   /// This process has failed, or is to stop: nobody waits for what it has not finished, of which it shows nothing.
   void giveUp();
   /// Waits for all, of what has begun; the destructor does, where nobody has. Whether none has failed. Once.
   bool end(bool hasFailed);
 
+  const LatticeBox* box() const noexcept override { return cutsAtFaces_ ? nullptr : &box_; }
+  bool isCutAtFaces(int column, int row) const noexcept override;
   bool collect(std::vector<TileRun>& ready) override;
   void finish(const TileRun& run) override;
 
@@ -53,6 +65,7 @@ private:
   TileRun runOf(int number) const noexcept;
   int numberOf(const TileRun& run) const noexcept;
   bool agree(bool can, std::span<const double> alike);
+  void findCutRuns(const TranslucentHits* hits);
   void findLast();
   void start();
   /// Takes what has come; false: nothing has.
@@ -71,6 +84,10 @@ private:
   int runsInRow_;
   int rows_; // of tiles
   bool hasBegun_ = false; // and not ended
+  LatticeBox box_; // the own one
+  Bounds domain_;
+  bool cutsAtFaces_ = true;
+  std::vector<bool> cutRuns_; // by number: in a process's window something ends rays in the domain
   enum class RunState : unsigned char
   {
     None, // of this box, or finished

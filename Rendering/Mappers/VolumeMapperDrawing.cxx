@@ -288,8 +288,14 @@ void vtkTreeAMRVolumeMapper::Composite(
     const treeamr::Field& field = internals.Volume->field();
     const std::array<double, 4> alike{ field.range().min, field.range().max, field.offset(),
       static_cast<double>(internals.Effects.blend) }; // what values are told in
+    const treeamr::BoxRelay::Terms terms{ alike,
+      internals.Effects.blend == treeamr::VolumeBlend::Slice, stops.hits ? &*stops.hits : nullptr };
     treeamr::BoxRelay* const relay =
-      canRelay ? picture.Relay->begin(camera, stops.endDepth, image, alike) : nullptr;
+      canRelay ? picture.Relay->begin(camera, stops.endDepth, image, terms) : nullptr;
+    if (relay && relay->box())
+    {
+      stops.cut.halfSpaces = treeamr::convertClippingPlanes(this, picture.Volume); // no faces of boxes
+    }
     try
     {
       this->CastRays(

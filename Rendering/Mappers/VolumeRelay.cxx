@@ -50,14 +50,14 @@ VolumeRelay::~VolumeRelay()
 }
 
 BoxRelay* VolumeRelay::begin(
-  const Camera& camera, const float* endDepth, Image& image, std::span<const double> alike)
+  const Camera& camera, const float* endDepth, Image& image, const BoxRelay::Terms& terms)
 {
   if (!peers_)
   {
     return nullptr;
   }
   this->make(camera, endDepth, image);
-  const bool hasBegun = relay_->begin(true, alike);
+  const bool hasBegun = relay_->begin(true, terms);
   peers_ = nullptr;
   if (!hasBegun)
   {

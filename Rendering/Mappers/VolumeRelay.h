@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <optional>
-#include <span>
 
 class vtkHyperTreeGrid;
 class vtkRenderer;
@@ -25,10 +24,10 @@ public:
   VolumeRelay(const VolumeRelay&) = delete;
   VolumeRelay& operator=(const VolumeRelay&) = delete;
 
-  /// When this process can: null unless all can, and have the same numbers in `alike`. camera: of all of the viewport's
-  /// pixels. endDepth and the image must last until all is finished.
+  /// When this process can: null unless all can, on the same terms. camera: of all of the viewport's pixels. endDepth and
+  /// the image must last until all is finished.
   BoxRelay* begin(
-    const Camera& camera, const float* endDepth, Image& image, std::span<const double> alike);
+    const Camera& camera, const float* endDepth, Image& image, const BoxRelay::Terms& terms);
   /// Where this process draws no more of what has begun: others go on without.
   void giveUp(bool hasFailed);
   /// When all is drawn, or the destructor does: throws Error when another process has failed.

@@ -78,9 +78,14 @@ TEST(BoxOrder, BoxesThatNoPlanePartsAreAnError)
 template <class Check>
 void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check)
 {
-  for (const int parts : { 2, 3, 8 })
+  for (const int count : { 2, 3, 8 })
   {
-    const std::vector<LatticeBox> boxes = domain.cut(parts);
+    const std::vector<LatticeBox> boxes = domain.cut(count);
+    std::vector<std::shared_ptr<const Field>> parts;
+    for (const LatticeBox& box : boxes)
+    {
+      parts.push_back(domain.part(box));
+    }
     for (const View& view : views())
     {
       for (const bool hasOpaque : { false, true })
@@ -99,19 +104,18 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
           const Bounds box = boxes[own].bounds(domain.grid);
           const std::vector<float> ownDepths =
             hasOpaque ? depthsIn(box, domain.grid.bounds(), camera, depths) : depths;
-          RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
-          stops.cut.addBox(box);
+          const RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
           BoxRelay relay(boxes, own, domain.grid, peers, camera, stops.endDepth, image);
-          if (relay.begin(true))
+          if (relay.begin(true, { .cutsAtFaces = false }))
           {
             const VolumeStatistics statistics =
-              volumeOf(*domain.field, smooth()).render({ camera, stops }, settings, image, relay);
+              volumeOf(*parts[own], smooth()).render({ camera, stops }, settings, image, relay);
             const std::lock_guard lock(mutex);
             samples += statistics.samples;
           }
         });
         const std::string about =
-          std::to_string(parts) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
+          std::to_string(count) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
         check(largestDifference(together(images), whole), samples, ofWhole.samples, hasOpaque, view, about);
         EXPECT_TRUE(mailbox.isEmpty()) << about;
       }
@@ -130,6 +134,28 @@ TEST(BoxRelay, BoxesTogetherAreTheWhole)
         EXPECT_LT(static_cast<double>(samples), 1.2 * static_cast<double>(ofWhole)) << about;
       }
     });
+}
+
+TEST(BoxRelay, StepsAreThoseOfTheWhole)
+{
+  // Few and long ones, which would show where boxes cut them.
+  for (const double samplesPerCell : { 1., 2. })
+  {
+    VolumeSettings settings;
+    settings.samplesPerCell = samplesPerCell;
+    forEachPicture(Domain(), settings,
+      [](float difference, std::uint64_t samples, std::uint64_t ofWhole, bool hasOpaque, const View& view,
+        const std::string& about) {
+        if (!hasOpaque) // which ends rays that another process begins
+        {
+          EXPECT_LT(difference, 1e-6f) << about;
+          if (std::string(view.name) != "inside") // as above
+          {
+            EXPECT_NEAR(static_cast<double>(samples), static_cast<double>(ofWhole), 1e-4 * static_cast<double>(ofWhole)) << about;
+          }
+        }
+      });
+  }
 }
 
 TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
@@ -259,7 +285,7 @@ TEST(BoxRelay, BeginsWhereAllTellValuesAlike)
       Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
       BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
       const std::array<double, 2> range{ 0., own == odd ? std::nextafter(1., 2.) : 1. };
-      EXPECT_EQ(relay.begin(true, range), odd < 0);
+      EXPECT_EQ(relay.begin(true, { .alike = range }), odd < 0);
       if (odd < 0)
       {
         relayTiles(relay, [](const TileRun&) {});
