@@ -383,7 +383,7 @@ private:
   bool isBesideOwnLeaf(const TreePath& path) const noexcept
   {
     const int depth = path.depth();
-    if (depth <= padding_ || path.node().isInner() || box_.meets(cellOf(path)))
+    if (depth == 0 || path.node().isInner() || box_.meets(cellOf(path)))
     {
       return false;
     }

@@ -164,8 +164,9 @@ TEST(FieldSupport, FarFromTheBoxNothingIsNeeded)
     }
   }
   const Support support = supportOf(unitRoots({ 3, 1, 1 }), cells, box);
-  // Gradients in the box take values from the coarse leaf's far face, and these those of nodes of half its width.
-  EXPECT_EQ(support.cells.size(), 8u + 32 * 32 * 8);
+  // Gradients of the coarse leaves, of which half are in the box, take values one of their widths beyond, and these those of
+  // the cells around.
+  EXPECT_EQ(support.cells.size(), 8u + 32 * 32 * (16 + 1));
 }
 
 TEST(FieldSupport, EmptyBoxesAndOctreesNeedNothing)
