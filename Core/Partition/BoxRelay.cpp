@@ -25,16 +25,17 @@ void rest()
   std::this_thread::sleep_for(std::chrono::microseconds(50));
 }
 
-/// With its number.
-constexpr std::size_t floatsOfRun = 1 + 4 * TileRun::tileWidth * TileRun::tileWidth * TileRun::mostTiles;
+constexpr std::size_t pixelsOfRun =
+  static_cast<std::size_t>(TileRun::tileWidth) * TileRun::tileWidth * TileRun::mostTiles;
+/// Flags in a message.
+constexpr std::size_t flagsOfFloat = 24;
+/// With its number, and of what is gathered flags.
+constexpr std::size_t floatsOfRun = 1 + 4 * pixelsOfRun + pixelsOfRun / flagsOfFloat + 1;
 
 constexpr int tilesOf(int pixels) noexcept
 {
   return (pixels + TileRun::tileWidth - 1) / TileRun::tileWidth;
 }
-
-/// Flags in a message.
-constexpr int flagsOfFloat = 24;
 
 void appendFlags(const std::vector<bool>& flags, std::vector<float>& numbers)
 {
@@ -49,14 +50,9 @@ void appendFlags(const std::vector<bool>& flags, std::vector<float>& numbers)
   }
 }
 
-/// Sets those that are set in a message.
-void joinFlags(const float* numbers, std::vector<bool>& flags)
+bool flagOf(const float* numbers, std::size_t i) noexcept
 {
-  for (std::size_t i = 0; i < flags.size(); ++i)
-  {
-    const auto bits = static_cast<std::uint32_t>(numbers[i / flagsOfFloat]);
-    flags[i] = flags[i] || (bits >> i % flagsOfFloat & 1) != 0;
-  }
+  return (static_cast<std::uint32_t>(numbers[i / flagsOfFloat]) >> i % flagsOfFloat & 1) != 0;
 }
 
 /// In numbers that floats have.
@@ -100,19 +96,21 @@ bool BoxRelay::Box::overlaps(const TileRun& run) const noexcept
 BoxRelay::BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid& grid, BoxPeers& peers,
   const Camera& camera, const float* endDepth, Image& image)
   : peers_(peers)
-  , camera_(camera)
+  , camera_(image.rgba.empty() ? camera : Camera(camera.clipFromData(), image.width, image.height))
   , endDepth_(endDepth)
   , image_(image)
   , runsInRow_((tilesOf(image.width) + TileRun::mostTiles - 1) / TileRun::mostTiles)
   , rows_(tilesOf(image.height))
+  , gathers_(image.width != camera.width() || image.height != camera.height())
 {
   for (const int peer : frontToBack(boxes, grid, camera))
   {
     const auto number = static_cast<std::size_t>(peer);
-    const BoxFootprint footprint(boxes[number].bounds(grid), camera_);
-    if (number < peers.drawing().size() && peers.drawing()[number] && footprint.isSeen())
+    const Bounds bounds = boxes[number].bounds(grid);
+    // By the camera's pixels: the same processes take part whatever the image of each.
+    if (number < peers.drawing().size() && peers.drawing()[number] && BoxFootprint(bounds, camera).isSeen())
     {
-      boxes_.push_back({ peer, footprint });
+      boxes_.push_back({ peer, BoxFootprint(bounds, camera_) });
     }
   }
   const auto found =
@@ -145,7 +143,8 @@ bool BoxRelay::begin(bool can, const Terms& terms)
   }
   if (can) // what takes much memory, while others can still do without this process
   {
-    isLast_.assign(image_.rgba.size() / 4, 0);
+    (gathers_ ? isClosed_ : isLast_).assign(image_.rgba.size() / 4, 0);
+    closedColors_.resize(gathers_ ? image_.rgba.size() : 0);
     runs_.assign(static_cast<std::size_t>(runsInRow_) * rows_, RunState::None);
     message_.reserve(floatsOfRun);
   }
@@ -223,7 +222,10 @@ bool BoxRelay::agree(bool can, std::span<const double> alike)
     most = std::max(most, other);
     if (numbers.size() == messageSize) // that of the same picture
     {
-      joinFlags(&numbers[10], cutRuns_);
+      for (std::size_t run = 0; run < cutRuns_.size(); ++run)
+      {
+        cutRuns_[run] = cutRuns_[run] || flagOf(&numbers[10], run);
+      }
     }
   }
   return all && least == most;
@@ -276,7 +278,23 @@ void BoxRelay::start()
       runs_[number] = isFirst ? RunState::Open : RunState::Awaited;
       awaited_ += isFirst ? 0 : 1;
     }
+    if (gathersHere())
+    {
+      const std::size_t last = lastOf(run);
+      isToCome_.push_back(last > 0 && last < boxes_.size());
+      awaited_ += isToCome_.back() ? 1 : 0;
+    }
   }
+}
+
+std::size_t BoxRelay::lastOf(const TileRun& run) const noexcept
+{
+  std::size_t last = boxes_.size();
+  for (std::size_t i = 0; i < boxes_.size(); ++i)
+  {
+    last = boxes_[i].overlaps(run) ? i : last;
+  }
+  return last;
 }
 
 void BoxRelay::findLast()
@@ -307,7 +325,10 @@ bool BoxRelay::collect(std::vector<TileRun>& ready)
   if (!hasStarted_)
   {
     hasStarted_ = true;
-    this->findLast();
+    if (!gathers_)
+    {
+      this->findLast();
+    }
     for (int number = 0; number < runsInRow_ * rows_; ++number)
     {
       if (runs_[number] == RunState::Open)
@@ -329,38 +350,127 @@ bool BoxRelay::receive(std::vector<TileRun>& ready)
   {
     return false;
   }
-  if (message_.size() > 1)
+  const int number = static_cast<int>(message_.front());
+  if (message_.size() == 1)
   {
-    this->take(runOf(static_cast<int>(message_.front())), message_.data() + 1, ready);
-    return true;
+    this->goOnWithout(sender, ready);
   }
-  for (std::size_t number = 0; number < runs_.size(); ++number) // it gives up
+  else if (number < runsInRow_ * rows_)
   {
-    if (const TileRun run = runOf(static_cast<int>(number));
-        runs_[number] == RunState::Awaited && neighbour(run, -1) == sender)
-    {
-      this->take(run, nullptr, ready);
-    }
+    this->take(runOf(number), message_.data() + 1, ready);
+  }
+  else
+  {
+    this->takeWhole(number - runsInRow_ * rows_, message_.data() + 1);
   }
   return true;
 }
 
-/// rgba: null for nothing.
+void BoxRelay::goOnWithout(int sender, std::vector<TileRun>& ready)
+{
+  for (std::size_t number = 0; number < runs_.size(); ++number)
+  {
+    const TileRun run = runOf(static_cast<int>(number));
+    if (runs_[number] == RunState::Awaited && neighbour(run, -1) == sender)
+    {
+      this->take(run, nullptr, ready);
+    }
+    if (gathersHere() && isToCome_[number] && boxes_[lastOf(run)].peer == sender)
+    {
+      isToCome_[number] = false;
+      --awaited_;
+    }
+  }
+}
+
+/// Of what is gathered, what all boxes have made of a run.
+void BoxRelay::takeWhole(int number, const float* rgba)
+{
+  forEachPixel(runOf(number), [&](int, int, std::size_t pixel) {
+    std::copy_n(rgba, 4, &image_.rgba[4 * pixel]);
+    rgba += 4;
+  });
+  isToCome_[static_cast<std::size_t>(number)] = false;
+  --awaited_;
+}
+
+/// rgba: null for nothing; flags follow of what is gathered.
 void BoxRelay::take(const TileRun& run, const float* rgba, std::vector<TileRun>& ready)
 {
+  std::size_t count = 0;
   forEachPixel(run, [&](int, int, std::size_t pixel) {
     if (rgba)
     {
-      std::copy_n(rgba, 4, &image_.rgba[4 * pixel]);
-      rgba += 4;
+      std::copy_n(rgba + 4 * count++, 4, &image_.rgba[4 * pixel]);
     }
   });
+  if (rgba && gathers_)
+  {
+    std::size_t i = 0;
+    forEachPixel(run, [&](int, int, std::size_t pixel) {
+      isClosed_[pixel] = flagOf(rgba + 4 * count, i++) ? 1 : 0;
+      if (isClosed_[pixel])
+      {
+        float* const color = &image_.rgba[4 * pixel];
+        std::copy_n(color, 4, &closedColors_[4 * pixel]);
+        std::copy_n(givenAway.data(), 4, color);
+      }
+    });
+  }
   runs_[numberOf(run)] = RunState::Open;
   --awaited_;
   ready.push_back(run);
 }
 
 void BoxRelay::finish(const TileRun& run)
+{
+  const int next = neighbour(run, 1);
+  const bool isLast = next == BoxPeers::anyone;
+  std::vector<float> numbers = gathers_ ? this->passOn(run, isLast) : this->giveAway(run);
+  if (!isLast)
+  {
+    peers_.send(next, BoxPeers::Channel::Tiles, std::move(numbers));
+  }
+  else if (gathers_ && !gathersHere())
+  {
+    numbers.front() += static_cast<float>(runsInRow_ * rows_);
+    peers_.send(boxes_.front().peer, BoxPeers::Channel::Tiles, std::move(numbers));
+  }
+  if (gathers_ && !(isLast && gathersHere()))
+  {
+    clear(run);
+  }
+  runs_[numberOf(run)] = RunState::None;
+}
+
+std::vector<float> BoxRelay::passOn(const TileRun& run, bool isLast)
+{
+  std::vector<float> numbers{ static_cast<float>(numberOf(run)) };
+  numbers.reserve(floatsOfRun);
+  std::vector<bool> closed;
+  forEachPixel(run, [&](int, int, std::size_t pixel) {
+    float* const rgba = &image_.rgba[4 * pixel];
+    bool isClosed = isClosed_[pixel] != 0;
+    if (isClosed)
+    {
+      std::copy_n(&closedColors_[4 * pixel], 4, rgba);
+    }
+    else
+    {
+      isClosed = endDepth_ && endDepth_[pixel] < 1.f;
+      if (show_ && (isClosed || isLast))
+      {
+        show_(rgba);
+      }
+    }
+    numbers.insert(numbers.end(), rgba, rgba + 4);
+    closed.push_back(isClosed);
+  });
+  appendFlags(closed, numbers);
+  return numbers;
+}
+
+std::vector<float> BoxRelay::giveAway(const TileRun& run)
 {
   std::vector<float> numbers{ static_cast<float>(numberOf(run)) };
   numbers.reserve(floatsOfRun);
@@ -379,12 +489,7 @@ void BoxRelay::finish(const TileRun& run)
       show_(rgba);
     }
   });
-  const int next = neighbour(run, 1);
-  if (next != BoxPeers::anyone)
-  {
-    peers_.send(next, BoxPeers::Channel::Tiles, std::move(numbers));
-  }
-  runs_[numberOf(run)] = RunState::None;
+  return numbers;
 }
 
 void BoxRelay::clear(const TileRun& run)
@@ -401,7 +506,11 @@ void BoxRelay::giveUp()
     {
       const TileRun run = runOf(static_cast<int>(number));
       clear(run);
-      const int next = neighbour(run, 1);
+      int next = neighbour(run, 1);
+      if (next == BoxPeers::anyone && gathers_ && !gathersHere())
+      {
+        next = boxes_.front().peer;
+      }
       if (next != BoxPeers::anyone && std::find(waiting.begin(), waiting.end(), next) == waiting.end())
       {
         waiting.push_back(next);

@@ -282,16 +282,16 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     // Estimates of errors are of whole rays. Values have no part in translucent scenes.
     const bool isAlone = picture.IsWhole || (treeamr::blendsValues(this) && !picture.IsPeeling);
-    const bool canRelay = picture.Relay && isAlone && part.isWhole() &&
-      image.width == picture.Viewport.Width && image.height == picture.Viewport.Height &&
-      internals.CurrentFrame.SquaredError < 0.;
+    const bool canRelay =
+      picture.Relay && isAlone && part.isWhole() && internals.CurrentFrame.SquaredError < 0.;
     const treeamr::Field& field = internals.Volume->field();
     const std::array<double, 4> alike{ field.range().min, field.range().max, field.offset(),
       static_cast<double>(internals.Effects.blend) }; // what values are told in
     const treeamr::BoxRelay::Terms terms{ alike,
       internals.Effects.blend == treeamr::VolumeBlend::Slice, stops.hits ? &*stops.hits : nullptr };
+    const treeamr::Camera ofViewport(clipFromData, picture.Viewport.Width, picture.Viewport.Height);
     treeamr::BoxRelay* const relay =
-      canRelay ? picture.Relay->begin(camera, stops.endDepth, image, terms) : nullptr;
+      canRelay ? picture.Relay->begin(ofViewport, stops.endDepth, image, terms) : nullptr;
     if (relay && relay->box())
     {
       stops.cut.halfSpaces = treeamr::convertClippingPlanes(this, picture.Volume); // no faces of boxes

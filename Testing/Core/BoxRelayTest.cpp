@@ -73,10 +73,20 @@ TEST(BoxOrder, BoxesThatNoPlanePartsAreAnError)
   EXPECT_THROW(frontToBack({ { 0, {}, { 2, 2, 1 } }, { 0, {}, { 2, 1, 2 } } }, domain.grid, camera), Error);
 }
 
+/// How many have anything.
+long givers(const std::vector<Image>& images)
+{
+  return std::ranges::count_if(images, [](const Image& image) {
+    return std::ranges::any_of(image.rgba, [](float x) { return x != 0.f; });
+  });
+}
+
 /// Pictures that boxes make together, and that of the whole domain, in several cuts, views and with something opaque or not:
-/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it).
+/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it). reduction: pixels of the
+/// camera along each axis for one of the picture.
 template <class Check>
-void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check)
+void forEachPicture(
+  const Domain& domain, const VolumeSettings& settings, const Check& check, int reduction = 1)
 {
   for (const int count : { 2, 3, 8 })
   {
@@ -105,7 +115,8 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
           const std::vector<float> ownDepths =
             hasOpaque ? depthsIn(box, domain.grid.bounds(), camera, depths) : depths;
           const RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
-          BoxRelay relay(boxes, own, domain.grid, peers, camera, stops.endDepth, image);
+          const Camera ofAll(view.clip, reduction * width, reduction * height);
+          BoxRelay relay(boxes, own, domain.grid, peers, ofAll, stops.endDepth, image);
           if (relay.begin(true, { .cutsAtFaces = false }))
           {
             const VolumeStatistics statistics =
@@ -118,6 +129,7 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
           std::to_string(count) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
         check(largestDifference(together(images), whole), samples, ofWhole.samples, hasOpaque, view, about);
         EXPECT_TRUE(mailbox.isEmpty()) << about;
+        EXPECT_TRUE(reduction == 1 || givers(images) <= 1) << about;
       }
     }
   }
@@ -156,6 +168,22 @@ TEST(BoxRelay, StepsAreThoseOfTheWhole)
         }
       });
   }
+}
+
+TEST(BoxRelay, PicturesToBeEnlargedAreOneProcesss)
+{
+  forEachPicture(
+    Domain(), fine(), [](float difference, auto&&, auto&&, bool hasOpaque, auto&&, const std::string& about) {
+      EXPECT_LT(difference, hasOpaque ? tolerance : 1e-6f) << about;
+    }, 5);
+  VolumeSettings maximum = fine();
+  maximum.blend = VolumeBlend::Maximum;
+  forEachPicture(
+    Domain(), maximum,
+    [](float difference, auto&&, auto&&, auto&&, auto&&, const std::string& about) {
+      EXPECT_LT(difference, 1e-5f) << about;
+    },
+    2);
 }
 
 TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
