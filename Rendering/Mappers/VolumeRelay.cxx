@@ -95,11 +95,12 @@ void VolumeRelay::make(const Camera& camera, const float* endDepth, Image& image
     partition->boxes, partition->own, RootGrid(readRootPlanes(*grid_)), *peers_, camera, endDepth, image);
 }
 
-void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6])
+void addRelayed(vtkHyperTreeGrid& grid, bool mayGather, double bounds[6])
 {
   if (const auto partition = partitionOf(grid))
   {
-    Bounds box = partition->box().bounds(RootGrid(readRootPlanes(grid)));
+    const RootGrid roots(readRootPlanes(grid));
+    Bounds box = mayGather ? roots.bounds() : partition->box().bounds(roots);
     vtkBoundingBox all(bounds);
     all.AddPoint(box.min.data());
     all.AddPoint(box.max.data());

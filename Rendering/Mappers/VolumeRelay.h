@@ -44,7 +44,8 @@ private:
   bool hasFailed_ = false;        // this process, once it has begun
 };
 
-/// Adds the box of the domain that a process draws, in which others' pixels come to it.
-void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6]);
+/// Adds where others' pixels may come to a process: to the box that it draws or, of pictures that are gathered, anywhere in
+/// the domain. Beyond the bounds of its props nothing of a process's picture is composited.
+void addRelayed(vtkHyperTreeGrid& grid, bool mayGather, double bounds[6]);
 
 } // namespace treeamr
