@@ -37,7 +37,7 @@ constexpr int tilesOf(int pixels) noexcept
   return (pixels + TileRun::tileWidth - 1) / TileRun::tileWidth;
 }
 
-void appendFlags(const std::vector<bool>& flags, std::vector<float>& numbers)
+void appendFlags(const std::vector<unsigned char>& flags, std::vector<float>& numbers)
 {
   for (std::size_t first = 0; first < flags.size(); first += flagsOfFloat)
   {
@@ -160,13 +160,17 @@ bool BoxRelay::begin(bool can, const Terms& terms)
 
 bool BoxRelay::isCutAtFaces(int column, int row) const noexcept
 {
-  return cutRuns_[static_cast<std::size_t>(row * runsInRow_ + column / TileRun::mostTiles)];
+  return cutRuns_[static_cast<std::size_t>(row * runsInRow_ + column / TileRun::mostTiles)] != 0;
 }
 
 /// What is behind or before the domain ends no ray among its cells.
 void BoxRelay::findCutRuns(const TranslucentHits* hits)
 {
-  cutRuns_.assign(static_cast<std::size_t>(runsInRow_) * rows_, false);
+  cutRuns_.assign(static_cast<std::size_t>(runsInRow_) * rows_, 0);
+  if (!endDepth_ && !hits)
+  {
+    return;
+  }
   const auto endsInDomain = [this](int x, int y, float depth) {
     if (!(depth < 1.f))
     {
@@ -181,16 +185,14 @@ void BoxRelay::findCutRuns(const TranslucentHits* hits)
     }
     return isIn;
   };
-  for (int number = 0; (endDepth_ || hits) && number < runsInRow_ * rows_; ++number)
-  {
-    const TileRun run = runOf(number);
+  tbb::parallel_for(0, runsInRow_ * rows_, [&](int number) {
     bool isCut = false;
-    forEachPixel(run, [&](int x, int y, std::size_t pixel) {
+    forEachPixel(runOf(number), [&](int x, int y, std::size_t pixel) {
       isCut = isCut || (hits && hits->first[pixel] < hits->first[pixel + 1]) ||
         (endDepth_ && endsInDomain(x, y, endDepth_[pixel]));
     });
-    cutRuns_[static_cast<std::size_t>(number)] = isCut;
-  }
+    cutRuns_[static_cast<std::size_t>(number)] = isCut ? 1 : 0;
+  });
 }
 
 /// In steps of 1, 2, 4 ... processes: each tells another one what all before it have told.
@@ -224,7 +226,7 @@ bool BoxRelay::agree(bool can, std::span<const double> alike)
     {
       for (std::size_t run = 0; run < cutRuns_.size(); ++run)
       {
-        cutRuns_[run] = cutRuns_[run] || flagOf(&numbers[10], run);
+        cutRuns_[run] = cutRuns_[run] != 0 || flagOf(&numbers[10], run) ? 1 : 0;
       }
     }
   }
@@ -447,7 +449,7 @@ std::vector<float> BoxRelay::passOn(const TileRun& run, bool isLast)
 {
   std::vector<float> numbers{ static_cast<float>(numberOf(run)) };
   numbers.reserve(floatsOfRun);
-  std::vector<bool> closed;
+  std::vector<unsigned char> closed;
   forEachPixel(run, [&](int, int, std::size_t pixel) {
     float* const rgba = &image_.rgba[4 * pixel];
     bool isClosed = isClosed_[pixel] != 0;
@@ -464,7 +466,7 @@ std::vector<float> BoxRelay::passOn(const TileRun& run, bool isLast)
       }
     }
     numbers.insert(numbers.end(), rgba, rgba + 4);
-    closed.push_back(isClosed);
+    closed.push_back(isClosed ? 1 : 0);
   });
   appendFlags(closed, numbers);
   return numbers;

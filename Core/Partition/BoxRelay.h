@@ -98,7 +98,7 @@ private:
   LatticeBox box_; // the own one
   Bounds domain_;
   bool cutsAtFaces_ = true;
-  std::vector<bool> cutRuns_; // by number: in a process's window something ends rays in the domain
+  std::vector<unsigned char> cutRuns_; // by number: in a process's window something ends rays in the domain
   enum class RunState : unsigned char
   {
     None, // of this box, or finished
