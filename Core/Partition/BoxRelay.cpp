@@ -25,12 +25,34 @@ void rest()
   std::this_thread::sleep_for(std::chrono::microseconds(50));
 }
 
-/// With its number.
-constexpr std::size_t floatsOfRun = 1 + 4 * TileRun::tileWidth * TileRun::tileWidth * TileRun::mostTiles;
+constexpr std::size_t pixelsOfRun =
+  static_cast<std::size_t>(TileRun::tileWidth) * TileRun::tileWidth * TileRun::mostTiles;
+/// Flags in a message.
+constexpr std::size_t flagsOfFloat = 24;
+/// With its number, and of what is gathered flags.
+constexpr std::size_t floatsOfRun = 1 + 4 * pixelsOfRun + pixelsOfRun / flagsOfFloat + 1;
 
 constexpr int tilesOf(int pixels) noexcept
 {
   return (pixels + TileRun::tileWidth - 1) / TileRun::tileWidth;
+}
+
+void appendFlags(const std::vector<unsigned char>& flags, std::vector<float>& numbers)
+{
+  for (std::size_t first = 0; first < flags.size(); first += flagsOfFloat)
+  {
+    std::uint32_t bits = 0;
+    for (std::size_t i = first; i < std::min(first + flagsOfFloat, flags.size()); ++i)
+    {
+      bits |= static_cast<std::uint32_t>(flags[i]) << (i - first);
+    }
+    numbers.push_back(static_cast<float>(bits));
+  }
+}
+
+bool flagOf(const float* numbers, std::size_t i) noexcept
+{
+  return (static_cast<std::uint32_t>(numbers[i / flagsOfFloat]) >> i % flagsOfFloat & 1) != 0;
 }
 
 /// In numbers that floats have.
@@ -74,24 +96,28 @@ bool BoxRelay::Box::overlaps(const TileRun& run) const noexcept
 BoxRelay::BoxRelay(const std::vector<LatticeBox>& boxes, int own, const RootGrid& grid, BoxPeers& peers,
   const Camera& camera, const float* endDepth, Image& image)
   : peers_(peers)
-  , camera_(camera)
+  , camera_(image.rgba.empty() ? camera : Camera(camera.clipFromData(), image.width, image.height))
   , endDepth_(endDepth)
   , image_(image)
   , runsInRow_((tilesOf(image.width) + TileRun::mostTiles - 1) / TileRun::mostTiles)
   , rows_(tilesOf(image.height))
+  , gathers_(image.width != camera.width() || image.height != camera.height())
 {
   for (const int peer : frontToBack(boxes, grid, camera))
   {
     const auto number = static_cast<std::size_t>(peer);
-    const BoxFootprint footprint(boxes[number].bounds(grid), camera_);
-    if (number < peers.drawing().size() && peers.drawing()[number] && footprint.isSeen())
+    const Bounds bounds = boxes[number].bounds(grid);
+    // By the camera's pixels: the same processes take part whatever the image of each.
+    if (number < peers.drawing().size() && peers.drawing()[number] && BoxFootprint(bounds, camera).isSeen())
     {
-      boxes_.push_back({ peer, footprint });
+      boxes_.push_back({ peer, BoxFootprint(bounds, camera_) });
     }
   }
   const auto found =
     std::find_if(boxes_.begin(), boxes_.end(), [own](const Box& box) { return box.peer == own; });
   own_ = static_cast<std::size_t>(found - boxes_.begin());
+  box_ = boxes[static_cast<std::size_t>(own)];
+  domain_ = grid.bounds();
 }
 
 BoxRelay::~BoxRelay()
@@ -109,7 +135,7 @@ BoxRelay::~BoxRelay()
   }
 }
 
-bool BoxRelay::begin(bool can, std::span<const double> alike)
+bool BoxRelay::begin(bool can, const Terms& terms)
 {
   if (boxes_.size() < 2 || own_ == boxes_.size())
   {
@@ -117,16 +143,56 @@ bool BoxRelay::begin(bool can, std::span<const double> alike)
   }
   if (can) // what takes much memory, while others can still do without this process
   {
-    isLast_.assign(image_.rgba.size() / 4, 0);
+    (gathers_ ? isClosed_ : isLast_).assign(image_.rgba.size() / 4, 0);
+    closedColors_.resize(gathers_ ? image_.rgba.size() : 0);
     runs_.assign(static_cast<std::size_t>(runsInRow_) * rows_, RunState::None);
     message_.reserve(floatsOfRun);
   }
-  hasBegun_ = this->agree(can, alike);
+  cutsAtFaces_ = terms.cutsAtFaces;
+  this->findCutRuns(terms.hits);
+  hasBegun_ = this->agree(can, terms.alike);
   if (hasBegun_)
   {
     this->start();
   }
   return hasBegun_;
+}
+
+bool BoxRelay::isCutAtFaces(int column, int row) const noexcept
+{
+  return cutRuns_[static_cast<std::size_t>(row * runsInRow_ + column / TileRun::mostTiles)] != 0;
+}
+
+/// What is behind or before the domain ends no ray among its cells.
+void BoxRelay::findCutRuns(const TranslucentHits* hits)
+{
+  cutRuns_.assign(static_cast<std::size_t>(runsInRow_) * rows_, 0);
+  if (!endDepth_ && !hits)
+  {
+    return;
+  }
+  const auto endsInDomain = [this](int x, int y, float depth) {
+    if (!(depth < 1.f))
+    {
+      return false;
+    }
+    const Ray ray = camera_.ray(x, y);
+    const Vec3 point = pointAt(ray, camera_.tFromDepth(ray, depth));
+    bool isIn = true;
+    for (int a = 0; a < 3; ++a)
+    {
+      isIn = isIn && point[a] >= domain_.min[a] && point[a] <= domain_.max[a];
+    }
+    return isIn;
+  };
+  tbb::parallel_for(0, runsInRow_ * rows_, [&](int number) {
+    bool isCut = false;
+    forEachPixel(runOf(number), [&](int x, int y, std::size_t pixel) {
+      isCut = isCut || (hits && hits->first[pixel] < hits->first[pixel + 1]) ||
+        (endDepth_ && endsInDomain(x, y, endDepth_[pixel]));
+    });
+    cutRuns_[static_cast<std::size_t>(number)] = isCut ? 1 : 0;
+  });
 }
 
 /// In steps of 1, 2, 4 ... processes: each tells another one what all before it have told.
@@ -138,9 +204,11 @@ bool BoxRelay::agree(bool can, std::span<const double> alike)
   const std::size_t count = boxes_.size();
   for (std::size_t step = 1; step < count; step *= 2)
   {
-    std::vector<float> numbers{ all ? 1.f : 0.f };
+    std::vector<float> numbers{ all ? 1.f : 0.f, cutsAtFaces_ ? 1.f : 0.f };
     numbers.insert(numbers.end(), least.begin(), least.end());
     numbers.insert(numbers.end(), most.begin(), most.end());
+    appendFlags(cutRuns_, numbers);
+    const std::size_t messageSize = numbers.size();
     peers_.send(boxes_[(own_ + step) % count].peer, BoxPeers::Channel::Agreement, numbers);
     const int from = boxes_[(own_ + count - step) % count].peer;
     while (peers_.receive(from, BoxPeers::Channel::Agreement, numbers) == BoxPeers::anyone)
@@ -149,10 +217,18 @@ bool BoxRelay::agree(bool can, std::span<const double> alike)
     }
     std::array<float, 4> other;
     all = all && numbers[0] == 1.f;
-    std::copy_n(&numbers[1], 4, other.begin());
+    cutsAtFaces_ = cutsAtFaces_ || numbers[1] == 1.f;
+    std::copy_n(&numbers[2], 4, other.begin());
     least = std::min(least, other);
-    std::copy_n(&numbers[5], 4, other.begin());
+    std::copy_n(&numbers[6], 4, other.begin());
     most = std::max(most, other);
+    if (numbers.size() == messageSize) // that of the same picture
+    {
+      for (std::size_t run = 0; run < cutRuns_.size(); ++run)
+      {
+        cutRuns_[run] = cutRuns_[run] != 0 || flagOf(&numbers[10], run) ? 1 : 0;
+      }
+    }
   }
   return all && least == most;
 }
@@ -204,7 +280,23 @@ void BoxRelay::start()
       runs_[number] = isFirst ? RunState::Open : RunState::Awaited;
       awaited_ += isFirst ? 0 : 1;
     }
+    if (gathersHere())
+    {
+      const std::size_t last = lastOf(run);
+      isToCome_.push_back(last > 0 && last < boxes_.size());
+      awaited_ += isToCome_.back() ? 1 : 0;
+    }
   }
+}
+
+std::size_t BoxRelay::lastOf(const TileRun& run) const noexcept
+{
+  std::size_t last = boxes_.size();
+  for (std::size_t i = 0; i < boxes_.size(); ++i)
+  {
+    last = boxes_[i].overlaps(run) ? i : last;
+  }
+  return last;
 }
 
 void BoxRelay::findLast()
@@ -235,7 +327,10 @@ bool BoxRelay::collect(std::vector<TileRun>& ready)
   if (!hasStarted_)
   {
     hasStarted_ = true;
-    this->findLast();
+    if (!gathers_)
+    {
+      this->findLast();
+    }
     for (int number = 0; number < runsInRow_ * rows_; ++number)
     {
       if (runs_[number] == RunState::Open)
@@ -257,38 +352,127 @@ bool BoxRelay::receive(std::vector<TileRun>& ready)
   {
     return false;
   }
-  if (message_.size() > 1)
+  const int number = static_cast<int>(message_.front());
+  if (message_.size() == 1)
   {
-    this->take(runOf(static_cast<int>(message_.front())), message_.data() + 1, ready);
-    return true;
+    this->goOnWithout(sender, ready);
   }
-  for (std::size_t number = 0; number < runs_.size(); ++number) // it gives up
+  else if (number < runsInRow_ * rows_)
   {
-    if (const TileRun run = runOf(static_cast<int>(number));
-        runs_[number] == RunState::Awaited && neighbour(run, -1) == sender)
-    {
-      this->take(run, nullptr, ready);
-    }
+    this->take(runOf(number), message_.data() + 1, ready);
+  }
+  else
+  {
+    this->takeWhole(number - runsInRow_ * rows_, message_.data() + 1);
   }
   return true;
 }
 
-/// rgba: null for nothing.
+void BoxRelay::goOnWithout(int sender, std::vector<TileRun>& ready)
+{
+  for (std::size_t number = 0; number < runs_.size(); ++number)
+  {
+    const TileRun run = runOf(static_cast<int>(number));
+    if (runs_[number] == RunState::Awaited && neighbour(run, -1) == sender)
+    {
+      this->take(run, nullptr, ready);
+    }
+    if (gathersHere() && isToCome_[number] && boxes_[lastOf(run)].peer == sender)
+    {
+      isToCome_[number] = false;
+      --awaited_;
+    }
+  }
+}
+
+/// Of what is gathered, what all boxes have made of a run.
+void BoxRelay::takeWhole(int number, const float* rgba)
+{
+  forEachPixel(runOf(number), [&](int, int, std::size_t pixel) {
+    std::copy_n(rgba, 4, &image_.rgba[4 * pixel]);
+    rgba += 4;
+  });
+  isToCome_[static_cast<std::size_t>(number)] = false;
+  --awaited_;
+}
+
+/// rgba: null for nothing; flags follow of what is gathered.
 void BoxRelay::take(const TileRun& run, const float* rgba, std::vector<TileRun>& ready)
 {
+  std::size_t count = 0;
   forEachPixel(run, [&](int, int, std::size_t pixel) {
     if (rgba)
     {
-      std::copy_n(rgba, 4, &image_.rgba[4 * pixel]);
-      rgba += 4;
+      std::copy_n(rgba + 4 * count++, 4, &image_.rgba[4 * pixel]);
     }
   });
+  if (rgba && gathers_)
+  {
+    std::size_t i = 0;
+    forEachPixel(run, [&](int, int, std::size_t pixel) {
+      isClosed_[pixel] = flagOf(rgba + 4 * count, i++) ? 1 : 0;
+      if (isClosed_[pixel])
+      {
+        float* const color = &image_.rgba[4 * pixel];
+        std::copy_n(color, 4, &closedColors_[4 * pixel]);
+        std::copy_n(givenAway.data(), 4, color);
+      }
+    });
+  }
   runs_[numberOf(run)] = RunState::Open;
   --awaited_;
   ready.push_back(run);
 }
 
 void BoxRelay::finish(const TileRun& run)
+{
+  const int next = neighbour(run, 1);
+  const bool isLast = next == BoxPeers::anyone;
+  std::vector<float> numbers = gathers_ ? this->passOn(run, isLast) : this->giveAway(run);
+  if (!isLast)
+  {
+    peers_.send(next, BoxPeers::Channel::Tiles, std::move(numbers));
+  }
+  else if (gathers_ && !gathersHere())
+  {
+    numbers.front() += static_cast<float>(runsInRow_ * rows_);
+    peers_.send(boxes_.front().peer, BoxPeers::Channel::Tiles, std::move(numbers));
+  }
+  if (gathers_ && !(isLast && gathersHere()))
+  {
+    clear(run);
+  }
+  runs_[numberOf(run)] = RunState::None;
+}
+
+std::vector<float> BoxRelay::passOn(const TileRun& run, bool isLast)
+{
+  std::vector<float> numbers{ static_cast<float>(numberOf(run)) };
+  numbers.reserve(floatsOfRun);
+  std::vector<unsigned char> closed;
+  forEachPixel(run, [&](int, int, std::size_t pixel) {
+    float* const rgba = &image_.rgba[4 * pixel];
+    bool isClosed = isClosed_[pixel] != 0;
+    if (isClosed)
+    {
+      std::copy_n(&closedColors_[4 * pixel], 4, rgba);
+    }
+    else
+    {
+      isClosed = endDepth_ && endDepth_[pixel] < 1.f;
+      if (show_ && (isClosed || isLast))
+      {
+        show_(rgba);
+      }
+    }
+    numbers.insert(numbers.end(), rgba, rgba + 4);
+    closed.push_back(isClosed ? 1 : 0);
+  });
+  appendFlags(closed, numbers);
+  return numbers;
+}
+
+std::vector<float> BoxRelay::giveAway(const TileRun& run)
 {
   std::vector<float> numbers{ static_cast<float>(numberOf(run)) };
   numbers.reserve(floatsOfRun);
@@ -307,12 +491,7 @@ void BoxRelay::finish(const TileRun& run)
       show_(rgba);
     }
   });
-  const int next = neighbour(run, 1);
-  if (next != BoxPeers::anyone)
-  {
-    peers_.send(next, BoxPeers::Channel::Tiles, std::move(numbers));
-  }
-  runs_[numberOf(run)] = RunState::None;
+  return numbers;
 }
 
 void BoxRelay::clear(const TileRun& run)
@@ -329,7 +508,11 @@ void BoxRelay::giveUp()
     {
       const TileRun run = runOf(static_cast<int>(number));
       clear(run);
-      const int next = neighbour(run, 1);
+      int next = neighbour(run, 1);
+      if (next == BoxPeers::anyone && gathers_ && !gathersHere())
+      {
+        next = boxes_.front().peer;
+      }
       if (next != BoxPeers::anyone && std::find(waiting.begin(), waiting.end(), next) == waiting.end())
       {
         waiting.push_back(next);
@@ -359,6 +542,7 @@ void BoxRelay::giveUp()
 bool BoxRelay::end(bool hasFailed)
 {
   hasBegun_ = false;
+  cutRuns_.clear();
   return this->agree(!hasFailed, {}); // a process that is done leaves the processor to the others
 }
 

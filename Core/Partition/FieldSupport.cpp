@@ -379,6 +379,24 @@ private:
     return !box_.contains(first) || !box_.contains(last);
   }
 
+  /// Whether a place where there may be a leaf, outside the box, has one in it among its siblings.
+  bool isBesideOwnLeaf(const TreePath& path) const noexcept
+  {
+    const int depth = path.depth();
+    if (depth == 0 || path.node().isInner() || box_.meets(cellOf(path)))
+    {
+      return false;
+    }
+    const std::array<Coord, 3>& parent = path.index(depth - 1);
+    unsigned leaves = octree_.children(path.around(depth - 1)[13].index()).leaf;
+    bool any = false;
+    for (; leaves != 0 && !any; leaves &= leaves - 1)
+    {
+      any = box_.meets({ indexOfChild(parent, std::countr_zero(leaves)), depth - padding_ });
+    }
+    return any;
+  }
+
   bool visitBox(const TreePath& path)
   {
     const CellId cell = cellOf(path);
@@ -386,7 +404,12 @@ private:
     {
       return true;
     }
-    if (path.node().isNone() || !box_.reaches(cell) || !dependsOnOutside(cell))
+    const bool isBeside = isBesideOwnLeaf(path);
+    if (isBeside)
+    {
+      require(cell, path.node());
+    }
+    if (path.node().isNone() || !(isBeside || box_.reaches(cell)) || !dependsOnOutside(cell))
     {
       return false;
     }

@@ -6,6 +6,7 @@
 //   that do, each with all leaves below it (a mean).
 // - Where a leaf, or a node around it, touches a larger leaf, vertices hang on that one's lattice. They are interpolated
 //   between corners of that node, and these take values from the nodes of its size around it.
+// - Beside a leaf that has a part in the box, other leaves of its parent that has a part beyond: a block is drawn as a whole.
 // - Gradients are differences of the field one width away along each axis: the same holds for the leaves there, and, as
 //   these may be missing, for those around that point.
 #pragma once

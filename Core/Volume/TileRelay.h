@@ -9,6 +9,8 @@
 namespace treeamr
 {
 
+struct LatticeBox;
+
 /// Neighbouring tiles of a row of tiles: what comes and goes at once.
 struct TileRun
 {
@@ -28,6 +30,13 @@ public:
   virtual bool collect(std::vector<TileRun>& ready) = 0;
   /// Of a run: the image has what it becomes.
   virtual void finish(const TileRun& run) = 0;
+  /// Of several boxes that of the nodes to be drawn here, for which nothing of the stops is needed: rays take cells and
+  /// blocks that several boxes have a part of where they enter them, all their way through, so that steps are the same
+  /// whatever the boxes. Null: the stops say what is drawn.
+  virtual const LatticeBox* box() const noexcept { return nullptr; }
+  /// Whether the rays of a tile begin and end at the faces of that box none the less: something else ends some of them in
+  /// the domain.
+  virtual bool isCutAtFaces(int /*column*/, int /*row*/) const noexcept { return false; }
   /// What the image has of a ray is not a colour, but becomes one by this where no box follows. Of such the fourth number
   /// is 0. Before the first call of collect().
   void showBy(std::function<void(float* rgba)> show) { show_ = std::move(show); }

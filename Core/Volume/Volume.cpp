@@ -460,6 +460,7 @@ VolumeStatistics Volume::render(
   checkVolume(view.camera, image);
   VolumeKernelScene scene = makeScene(view, settings, &image);
   scene.goesOn = true;
+  scene.relay = relay.box() ? &relay : nullptr;
   if (blendsValues(settings.blend))
   {
     relay.showBy([&scene](float* rgba) { showBlend(scene, rgba); });

@@ -59,6 +59,9 @@ void vtkTreeAMRVolumeMapper::AgreeOnDrafts(
 {
   this->RecordLastFrame();
   this->Private->SampleDistances[{ renderer, volume }].agree(largest);
+  this->Private->MayGather = this->AutoAdjustSampleDistances
+    ? treeamr::isInteractive(renderer) || this->MinimumImageSampleDistance > 1.
+    : this->ImageSampleDistance > 1.;
 }
 
 //------------------------------------------------------------------------------
@@ -282,14 +285,21 @@ void vtkTreeAMRVolumeMapper::Composite(
     }
     // Estimates of errors are of whole rays. Values have no part in translucent scenes.
     const bool isAlone = picture.IsWhole || (treeamr::blendsValues(this) && !picture.IsPeeling);
-    const bool canRelay = picture.Relay && isAlone && part.isWhole() &&
-      image.width == picture.Viewport.Width && image.height == picture.Viewport.Height &&
+    const bool isFull = image.width == picture.Viewport.Width && image.height == picture.Viewport.Height;
+    const bool canRelay = picture.Relay && isAlone && part.isWhole() && (isFull || internals.MayGather) &&
       internals.CurrentFrame.SquaredError < 0.;
     const treeamr::Field& field = internals.Volume->field();
     const std::array<double, 4> alike{ field.range().min, field.range().max, field.offset(),
       static_cast<double>(internals.Effects.blend) }; // what values are told in
+    const treeamr::BoxRelay::Terms terms{ alike,
+      internals.Effects.blend == treeamr::VolumeBlend::Slice, stops.hits ? &*stops.hits : nullptr };
+    const treeamr::Camera ofViewport(clipFromData, picture.Viewport.Width, picture.Viewport.Height);
     treeamr::BoxRelay* const relay =
-      canRelay ? picture.Relay->begin(camera, stops.endDepth, image, alike) : nullptr;
+      canRelay ? picture.Relay->begin(ofViewport, stops.endDepth, image, terms) : nullptr;
+    if (relay && relay->box())
+    {
+      stops.cut.halfSpaces = treeamr::convertClippingPlanes(this, picture.Volume); // no faces of boxes
+    }
     try
     {
       this->CastRays(

@@ -118,6 +118,7 @@ struct vtkTreeAMRVolumeMapper::Internals
   treeamr::CollectedLayers Layers; // of these and of the actors that are drawn with the volume
 
   std::shared_ptr<treeamr::BoxPeers> Peers; // null: nobody
+  bool MayGather = false;                   // the frame to come, for which its pixels may be larger than the window's
   treeamr::VolumeFrame CurrentFrame;
   // Of this field with this transfer function.
   std::map<std::pair<vtkRenderer*, vtkVolume*>, treeamr::SampleDistanceControl> SampleDistances;

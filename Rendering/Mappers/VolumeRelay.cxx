@@ -50,14 +50,14 @@ VolumeRelay::~VolumeRelay()
 }
 
 BoxRelay* VolumeRelay::begin(
-  const Camera& camera, const float* endDepth, Image& image, std::span<const double> alike)
+  const Camera& camera, const float* endDepth, Image& image, const BoxRelay::Terms& terms)
 {
   if (!peers_)
   {
     return nullptr;
   }
   this->make(camera, endDepth, image);
-  const bool hasBegun = relay_->begin(true, alike);
+  const bool hasBegun = relay_->begin(true, terms);
   peers_ = nullptr;
   if (!hasBegun)
   {
@@ -95,11 +95,12 @@ void VolumeRelay::make(const Camera& camera, const float* endDepth, Image& image
     partition->boxes, partition->own, RootGrid(readRootPlanes(*grid_)), *peers_, camera, endDepth, image);
 }
 
-void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6])
+void addRelayed(vtkHyperTreeGrid& grid, bool mayGather, double bounds[6])
 {
   if (const auto partition = partitionOf(grid))
   {
-    Bounds box = partition->box().bounds(RootGrid(readRootPlanes(grid)));
+    const RootGrid roots(readRootPlanes(grid));
+    Bounds box = mayGather ? roots.bounds() : partition->box().bounds(roots);
     vtkBoundingBox all(bounds);
     all.AddPoint(box.min.data());
     all.AddPoint(box.max.data());

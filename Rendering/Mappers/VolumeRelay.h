@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <optional>
-#include <span>
 
 class vtkHyperTreeGrid;
 class vtkRenderer;
@@ -25,10 +24,10 @@ public:
   VolumeRelay(const VolumeRelay&) = delete;
   VolumeRelay& operator=(const VolumeRelay&) = delete;
 
-  /// When this process can: null unless all can, and have the same numbers in `alike`. camera: of all of the viewport's
-  /// pixels. endDepth and the image must last until all is finished.
+  /// When this process can: null unless all can, on the same terms. camera: of all of the viewport's pixels. endDepth and
+  /// the image must last until all is finished.
   BoxRelay* begin(
-    const Camera& camera, const float* endDepth, Image& image, std::span<const double> alike);
+    const Camera& camera, const float* endDepth, Image& image, const BoxRelay::Terms& terms);
   /// Where this process draws no more of what has begun: others go on without.
   void giveUp(bool hasFailed);
   /// When all is drawn, or the destructor does: throws Error when another process has failed.
@@ -45,7 +44,8 @@ private:
   bool hasFailed_ = false;        // this process, once it has begun
 };
 
-/// Adds the box of the domain that a process draws, in which others' pixels come to it.
-void addOwnBox(vtkHyperTreeGrid& grid, double bounds[6]);
+/// Adds where others' pixels may come to a process: to the box that it draws or, of pictures that are gathered, anywhere in
+/// the domain. Beyond the bounds of its props nothing of a process's picture is composited.
+void addRelayed(vtkHyperTreeGrid& grid, bool mayGather, double bounds[6]);
 
 } // namespace treeamr

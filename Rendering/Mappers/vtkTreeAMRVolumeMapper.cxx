@@ -284,7 +284,7 @@ double* vtkTreeAMRVolumeMapper::GetBounds()
   this->Private->BoundsSlot.get(this->GetHyperTreeGrid(), this->Bounds);
   if (this->Private->Peers && this->GetHyperTreeGrid())
   {
-    treeamr::addOwnBox(*this->GetHyperTreeGrid(), this->Bounds);
+    treeamr::addRelayed(*this->GetHyperTreeGrid(), this->Private->MayGather, this->Bounds);
   }
   return this->Bounds;
 }

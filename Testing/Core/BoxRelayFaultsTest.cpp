@@ -185,17 +185,21 @@ TEST(BoxRelayFaults, WhoGivesUpBeforeItHasCollectedAnythingKeepsNobodyWaiting)
   const Domain domain;
   const std::vector<LatticeBox> boxes = domain.cut(4);
   const Camera camera(views().front().clip, width, height);
-  for (int stopping = 0; stopping < 4; ++stopping)
+  const Camera finer(views().front().clip, 2 * width, 2 * height); // of a picture that is gathered
+  for (const Camera* const of : { &camera, &finer })
   {
-    Mailbox mailbox;
-    const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
-      Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
-      BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
-      ASSERT_TRUE(relay.begin(true));
-      own == stopping ? relay.giveUp() : relayTiles(relay, [](const TileRun&) {});
-      EXPECT_TRUE(relay.end(false));
-    });
-    EXPECT_TRUE(mailbox.isEmpty());
-    EXPECT_TRUE(std::ranges::all_of(images[stopping].rgba, [](float x) { return x == 0.f; }));
+    for (int stopping = 0; stopping < 4; ++stopping)
+    {
+      Mailbox mailbox;
+      const std::vector<Image> images = drawAll(boxes.size(), [&](int own, Image& image) {
+        Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
+        BoxRelay relay(boxes, own, domain.grid, peers, *of, nullptr, image);
+        ASSERT_TRUE(relay.begin(true));
+        own == stopping ? relay.giveUp() : relayTiles(relay, [](const TileRun&) {});
+        EXPECT_TRUE(relay.end(false));
+      });
+      EXPECT_TRUE(mailbox.isEmpty());
+      EXPECT_TRUE(std::ranges::all_of(images[stopping].rgba, [](float x) { return x == 0.f; }));
+    }
   }
 }

@@ -73,14 +73,29 @@ TEST(BoxOrder, BoxesThatNoPlanePartsAreAnError)
   EXPECT_THROW(frontToBack({ { 0, {}, { 2, 2, 1 } }, { 0, {}, { 2, 1, 2 } } }, domain.grid, camera), Error);
 }
 
-/// Pictures that boxes make together, and that of the whole domain, in several cuts, views and with something opaque or not:
-/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it).
-template <class Check>
-void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check)
+/// How many have anything.
+long givers(const std::vector<Image>& images)
 {
-  for (const int parts : { 2, 3, 8 })
+  return std::ranges::count_if(images, [](const Image& image) {
+    return std::ranges::any_of(image.rgba, [](float x) { return x != 0.f; });
+  });
+}
+
+/// Pictures that boxes make together, and that of the whole domain, in several cuts, views and with something opaque or not:
+/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it). reduction: pixels of the
+/// camera along each axis for one of the picture. cut: of all.
+template <class Check>
+void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check, int reduction = 1,
+  const DataCut& cut = {})
+{
+  for (const int count : { 2, 3, 8 })
   {
-    const std::vector<LatticeBox> boxes = domain.cut(parts);
+    const std::vector<LatticeBox> boxes = domain.cut(count);
+    std::vector<std::shared_ptr<const Field>> parts;
+    for (const LatticeBox& box : boxes)
+    {
+      parts.push_back(domain.part(box));
+    }
     for (const View& view : views())
     {
       for (const bool hasOpaque : { false, true })
@@ -89,8 +104,10 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
         const std::vector<float> depths =
           hasOpaque ? randomDepths(camera, domain.grid.bounds()) : std::vector<float>();
         Image whole(width, height);
-        const VolumeStatistics ofWhole = renderVolume(*domain.field, smooth(), camera,
-          RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr), settings, whole);
+        RayStops stopsOfWhole = RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr);
+        stopsOfWhole.cut = cut;
+        const VolumeStatistics ofWhole =
+          renderVolume(*domain.field, smooth(), camera, stopsOfWhole, settings, whole);
         Mailbox mailbox;
         std::mutex mutex;
         std::uint64_t samples = 0;
@@ -100,20 +117,22 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
           const std::vector<float> ownDepths =
             hasOpaque ? depthsIn(box, domain.grid.bounds(), camera, depths) : depths;
           RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
-          stops.cut.addBox(box);
-          BoxRelay relay(boxes, own, domain.grid, peers, camera, stops.endDepth, image);
-          if (relay.begin(true))
+          stops.cut = cut;
+          const Camera ofAll(view.clip, reduction * width, reduction * height);
+          BoxRelay relay(boxes, own, domain.grid, peers, ofAll, stops.endDepth, image);
+          if (relay.begin(true, { .cutsAtFaces = false }))
           {
             const VolumeStatistics statistics =
-              volumeOf(*domain.field, smooth()).render({ camera, stops }, settings, image, relay);
+              volumeOf(*parts[own], smooth()).render({ camera, stops }, settings, image, relay);
             const std::lock_guard lock(mutex);
             samples += statistics.samples;
           }
         });
         const std::string about =
-          std::to_string(parts) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
+          std::to_string(count) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
         check(largestDifference(together(images), whole), samples, ofWhole.samples, hasOpaque, view, about);
         EXPECT_TRUE(mailbox.isEmpty()) << about;
+        EXPECT_TRUE(reduction == 1 || givers(images) <= 1) << about;
       }
     }
   }
@@ -130,6 +149,58 @@ TEST(BoxRelay, BoxesTogetherAreTheWhole)
         EXPECT_LT(static_cast<double>(samples), 1.2 * static_cast<double>(ofWhole)) << about;
       }
     });
+}
+
+TEST(BoxRelay, StepsAreThoseOfTheWhole)
+{
+  // Few and long ones, which would show where boxes cut them.
+  VolumeSettings few;
+  few.samplesPerCell = 1.;
+  VolumeSettings lit;
+  lit.shading.emplace();
+  lit.shading->lights.push_back({ .direction = { 0., 0., -1. } });
+  VolumeSettings inDoubles;
+  inDoubles.doubles = true;
+  DataCut cut; // of most rays, into two parts
+  cut.halfSpaces.push_back({ { 1., 0.3, -0.2 }, 0.4 });
+  cut.cropping = CroppingRegions{ { 0.8, 1.1, 0.7, 1.2, 0.5, 1.3 }, ~(1u << 13) };
+  const Domain domain;
+  for (const auto& [settings, ofAll] : { std::pair(few, DataCut()), { VolumeSettings(), DataCut() },
+         { lit, DataCut() }, { inDoubles, DataCut() }, { few, cut } })
+  {
+    forEachPicture(
+      domain, settings,
+      [](float difference, std::uint64_t samples, std::uint64_t ofWhole, bool hasOpaque, const View& view,
+        const std::string& about) {
+        if (hasOpaque) // which ends rays that another process begins
+        {
+          return;
+        }
+        EXPECT_LT(difference, 1e-6f) << about;
+        if (std::string(view.name) != "inside") // as above
+        {
+          EXPECT_NEAR(static_cast<double>(samples), static_cast<double>(ofWhole), 1e-4 * static_cast<double>(ofWhole))
+            << about;
+        }
+      },
+      1, ofAll);
+  }
+}
+
+TEST(BoxRelay, PicturesToBeEnlargedAreOneProcesss)
+{
+  forEachPicture(
+    Domain(), fine(), [](float difference, auto&&, auto&&, bool hasOpaque, auto&&, const std::string& about) {
+      EXPECT_LT(difference, hasOpaque ? tolerance : 1e-6f) << about;
+    }, 5);
+  VolumeSettings maximum = fine();
+  maximum.blend = VolumeBlend::Maximum;
+  forEachPicture(
+    Domain(), maximum,
+    [](float difference, auto&&, auto&&, auto&&, auto&&, const std::string& about) {
+      EXPECT_LT(difference, 1e-5f) << about;
+    },
+    2);
 }
 
 TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
@@ -259,7 +330,7 @@ TEST(BoxRelay, BeginsWhereAllTellValuesAlike)
       Peers peers(mailbox, own, std::vector<bool>(boxes.size(), true));
       BoxRelay relay(boxes, own, domain.grid, peers, camera, nullptr, image);
       const std::array<double, 2> range{ 0., own == odd ? std::nextafter(1., 2.) : 1. };
-      EXPECT_EQ(relay.begin(true, range), odd < 0);
+      EXPECT_EQ(relay.begin(true, { .alike = range }), odd < 0);
       if (odd < 0)
       {
         relayTiles(relay, [](const TileRun&) {});

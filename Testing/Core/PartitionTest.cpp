@@ -2,9 +2,9 @@
 #include "Contour/Contour.h"
 #include "Partition/BoxCuts.h"
 #include "Partition/BoxTree.h"
-#include "Partition/FieldSupport.h"
 #include "Support/FieldVertices.h"
 #include "Support/Fields.h"
+#include "Support/HeldCells.h"
 #include "Support/RandomTrees.h"
 
 #include <gtest/gtest.h>
@@ -19,51 +19,6 @@ using namespace treeamr::test;
 
 namespace
 {
-
-std::shared_ptr<const Octree> octreeOf(const RootGrid& grid, const std::vector<LeafCell>& cells)
-{
-  return buildOctree(grid, cells).octree;
-}
-
-/// The cells that are in the box or, wholly or with a part, in places.
-std::vector<LeafCell> held(const std::vector<LeafCell>& cells, const LatticeBox& box, const CellSet& places)
-{
-  std::vector<LeafCell> kept;
-  std::ranges::copy_if(cells, std::back_inserter(kept),
-    [&](const LeafCell& leaf) { return box.meets(leaf.cell) || places.meets(leaf.cell); });
-  return kept;
-}
-
-struct Support
-{
-  std::vector<LeafCell> cells;
-  int rounds = 0;
-};
-
-/// As a process that sees no more than it has asked for.
-Support supportOf(const RootGrid& grid, const std::vector<LeafCell>& cells, const LatticeBox& box)
-{
-  CellSet known(grid.paddingDepth());
-  Support support;
-  for (;;)
-  {
-    ++support.rounds;
-    const std::vector<LeafCell> sofar = held(cells, box, known);
-    const FieldSupport found = findFieldSupport(*octreeOf(grid, sofar), box, known);
-    if (found.unknown.isEmpty())
-    {
-      support.cells = held(cells, box, found.needed);
-      return support;
-    }
-    std::vector<CellId> more;
-    for (std::size_t i = 0; i < found.unknown.size(); ++i)
-    {
-      more.push_back(found.unknown[i]);
-    }
-    known.add(more);
-    EXPECT_LT(support.rounds, 30);
-  }
-}
 
 /// Of parts, whose points are one where they have the same bits.
 struct MergedContour
@@ -209,8 +164,9 @@ TEST(FieldSupport, FarFromTheBoxNothingIsNeeded)
     }
   }
   const Support support = supportOf(unitRoots({ 3, 1, 1 }), cells, box);
-  // Gradients in the box take values from the coarse leaf's far face, and these those of nodes of half its width.
-  EXPECT_EQ(support.cells.size(), 8u + 32 * 32 * 8);
+  // Gradients of the coarse leaves, of which half are in the box, take values one of their widths beyond, and these those of
+  // the cells around.
+  EXPECT_EQ(support.cells.size(), 8u + 32 * 32 * (16 + 1));
 }
 
 TEST(FieldSupport, EmptyBoxesAndOctreesNeedNothing)

@@ -25,8 +25,6 @@ else:
 # Largest and mean differences, of 255, from one rank's: a picture that goes from rank to rank in floats is rounded once, and once
 # more over the background.
 RELAYED = 1, 0.006
-# The same with few samples, which begin anew at the face of a box.
-FEW_SAMPLES = 3, 0.006
 # Where each rank rounds its colours and opacities before they are composited.
 ROUNDED = 2 + (ranks > 2), 0.1
 # Where each rank, besides, takes samples as if nothing hid its box.
@@ -54,7 +52,16 @@ display.ScalarOpacityUnitDistance = 0.05
 low, high = display.LookupTable.RGBPoints[0], display.LookupTable.RGBPoints[-4]
 display.ScalarOpacityFunction.Points = [low, 0, 0.5, 0, high, 0.9, 0.5, 0]
 scene.look(view)
-check("few-samples", view, FEW_SAMPLES)
+check("few-samples", view, RELAYED)
+# Pixels of a draft are mixed when it is enlarged: those of all ranks.
+display.AutoAdjustSampleDistances = 0
+display.ImageSampleDistance = 5
+check("draft", view, RELAYED)
+display.BlendMode = "Maximum Intensity"
+check("draft-maximum", view, RELAYED)
+display.BlendMode = "Composite"
+display.ImageSampleDistance = 1
+display.AutoAdjustSampleDistances = 1
 display.SamplesPerCell = 8
 volume = check("volume", view, RELAYED)
 # Values from rank to rank, whose parts of the forest have ranges of their own.

@@ -100,7 +100,6 @@ def render():
     representation = simple.Show(source, view)
     simple.ColorBy(representation, ("CELLS", "Depth"))
     scene.look(view)
-    representation.SamplesPerCell = 8  # each rank begins with steps of its own at its box
     for kind in ("Volume", "Isosurface"):
         representation.SetRepresentationType("Tree AMR " + kind)
         scene.picture(view, f"{kind}-{ranks}")
@@ -132,7 +131,6 @@ def render():
     shown = simple.Show(whole, view)
     simple.ColorBy(shown, ("CELLS", "Depth"))
     shown.SetRepresentationType("Tree AMR Volume")
-    shown.SamplesPerCell = 8
     scene.picture(view, f"Hexahedra-{ranks}")
     simple.Hide(whole, view)
     shown = simple.Show(simple.TreeAMRRedistribute(Input=whole), view)
@@ -148,7 +146,6 @@ def render():
         shown = simple.Show(made, view)
         simple.ColorBy(shown, ("CELLS", "Depth"))
         shown.SetRepresentationType("Tree AMR Volume")
-        shown.SamplesPerCell = 8
         scene.picture(view, f"{name}-{ranks}")
         simple.Hide(made, view)
 
@@ -164,7 +161,6 @@ grid.GetCellData().AddArray(height)
     shown = simple.Show(more, view)
     simple.ColorBy(shown, ("CELLS", "Depth"))
     shown.SetRepresentationType("Tree AMR Volume")
-    shown.SamplesPerCell = 8
     simple.Render(view)
     simple.ColorBy(shown, ("CELLS", "Height"))
     scene.picture(view, f"OtherArray-{ranks}")
@@ -177,7 +173,6 @@ grid.GetCellData().AddArray(height)
     function.OutputDimensions = [64, 64]
     function.Boxes = [-2, -0.5, 6, 2, 1, 0.5, 0, 0.9]
     shown.UseTransfer2D = 1
-    shown.SamplesPerCell = 64  # points, which are others where ranks cut rays
     scene.picture(view, f"TwoValues-{ranks}")
     shown.UseGradientForTransfer2D = 0
     shown.ColorArray2Name = ["CELLS", "Depth"]

@@ -21,7 +21,7 @@ struct AtVertex
   Vec3 gradient;
 };
 
-/// Of the leaves that meet a box.
+/// Of the leaves that meet a box, and of the others of their parents.
 inline std::map<VertexPlace, AtVertex> verticesIn(const Field& field, const LatticeBox& box, int leafLevels)
 {
   std::map<VertexPlace, AtVertex> all;
@@ -37,10 +37,15 @@ inline std::map<VertexPlace, AtVertex> verticesIn(const Field& field, const Latt
     }
     const Octree::Children children = octree.children(at.node().index());
     BlockVertices vertices{};
+    bool meets = false;
     for (int o = 0; o < 8; ++o)
     {
       const CellId child{ indexOfChild(at.index(), o), at.depth() + 1 - padding };
-      if ((children.leaf >> o & 1) == 0 || !box.meets(child))
+      meets = meets || ((children.leaf >> o & 1) != 0 && box.meets(child));
+    }
+    for (int o = 0; meets && o < 8; ++o)
+    {
+      if ((children.leaf >> o & 1) == 0)
       {
         continue;
       }

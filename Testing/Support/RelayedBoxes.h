@@ -4,6 +4,7 @@
 #include "Partition/BoxCuts.h"
 #include "Partition/BoxRelay.h"
 #include "Support/Fields.h"
+#include "Support/HeldCells.h"
 #include "Support/OneFrame.h"
 #include "Support/RandomTrees.h"
 #include "Support/VolumeViews.h"
@@ -112,6 +113,14 @@ struct Domain
       return 0.3 + 0.6 * std::sin(p[0] + 0.5 * p[1]) * std::cos(p[2]);
     });
     field = makeField(grid, cells);
+  }
+
+  /// What the process holds that draws a box, its values rounded as all are.
+  std::shared_ptr<const Field> part(const LatticeBox& box) const
+  {
+    auto built = buildOctree(grid, supportOf(grid, cells, box).cells);
+    return std::make_shared<const Field>(
+      built.octree, LargeVector<float>(built.values.begin(), built.values.end()), 0., field->range());
   }
 
   std::vector<LatticeBox> cut(int parts, int level = 3) const

@@ -20,6 +20,8 @@
 namespace treeamr
 {
 
+class TileRelay;
+
 /// What the kernel makes of a ray's samples; each compiled apart.
 enum class VolumeLoop
 {
@@ -203,6 +205,7 @@ struct VolumeKernelScene
   const Field* ofGradients; // its vertex gradients are these
   Image* image;             // null: only groups of pixels are rendered
   bool goesOn = false;      // rays start with what the image has of them
+  const TileRelay* relay = nullptr; // that says what of the domain is drawn; null: all that the stops leave
   const NodeRanges* ranges; // null: nothing is skipped
 
   SceneFeatures features;

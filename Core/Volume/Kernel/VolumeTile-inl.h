@@ -13,12 +13,14 @@
 #define TREEAMR_VOLUMETILE_INL_H
 #endif
 
+#include "Volume/Kernel/SharedNodes-inl.h"
 #include "Volume/Kernel/VolumeBlocks-inl.h"
 #include "Volume/Kernel/VolumeConstants-inl.h"
 #include "Volume/Kernel/VolumeIntervals-inl.h"
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeRays-inl.h"
 #include "Volume/Kernel/VolumeSampling-inl.h"
+#include "Volume/TileRelay.h"
 
 #include <hwy/highway.h>
 
@@ -50,6 +52,8 @@ public:
     , grid_(octree_.grid())
     , blocks_(scene)
     , constants_(scene)
+    , shared_(scene.relay ? scene.relay->box() : nullptr, grid_,
+        [this](const Bounds& bounds) { return Intervals::toKernel(bounds); })
   {
   }
 
@@ -146,6 +150,10 @@ private:
   void integrateRays(int x0, int y0, GroupMask wanted)
   {
     const GroupMask drawn = makeRays(x0, y0) & wanted;
+    if (scene_.relay && scene_.relay->isCutAtFaces(x0 / volumeTileWidth, y0 / volumeTileWidth))
+    {
+      shared_.cutRays(rays());
+    }
     if constexpr (!isComposite)
     {
       scene_.goesOn ? blends_.start(red_, green_) : blends_.start();
@@ -215,7 +223,9 @@ private:
     const Octree::Children children = octree_.children(node);
     if (isBlock(node, children))
     {
+      const bool isShared = shared_.takeOwn(rays(), index_, path_.depth, box, active);
       visitBlock(BlockCells::Leaves, children, box, active);
+      shared_.giveBack(isShared, rays(), active);
       return;
     }
     if (scene_.features.means && isDrawnByMeans(node, children, box))
@@ -231,7 +241,8 @@ private:
     GroupMask crossing[8];
     crossChildren(box, middle, active, crossing);
     std::array<Range, 8> ranges;
-    unsigned wanted = chooseChildren(children, crossing, range, ranges);
+    unsigned wanted =
+      chooseChildren(children, crossing, range, ranges) & shared_.childrenInBox(index_, path_.depth);
     prefetchContents(children, wanted);
     bool hasValues = false;
     Block<Real> block;
@@ -260,13 +271,19 @@ private:
         {
           wanted &= ~children.leaf;
         }
-        else if (scene_.features.constants)
-        {
-          integrateConstants(constants_.constants(), childBox, middle, crossing[octant]);
-        }
         else
         {
-          integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
+          const bool isShared = shared_.takeOwn(
+            rays(), indexOfChild(index_, octant), path_.depth + 1, childBox, crossing[octant]);
+          if (scene_.features.constants)
+          {
+            integrateConstants(constants_.constants(), childBox, middle, crossing[octant]);
+          }
+          else
+          {
+            integrate(block, childBox, Lattice<Real>(childBox, octant), crossing[octant]);
+          }
+          shared_.giveBack(isShared, rays(), crossing[octant]);
         }
         continue;
       }
@@ -274,6 +291,8 @@ private:
       hasValues = hasValues && !isLit && !scene_.features.constants && blocks_.outlastsOthers(block);
     }
   }
+
+  Rays& rays() noexcept { return *this; }
 
   Vec3 planesBetweenChildren() const noexcept
   {
@@ -433,7 +452,7 @@ private:
     std::uint64_t node, const Octree::Children& children, const Box<Real>& box) const noexcept
   {
     return children.exists == 0xff && path_.depth >= grid_.paddingDepth() && !octree_.hasGhostsBelow(node) &&
-      isSmall(box);
+      !shared_.isShared(index_, path_.depth) && isSmall(box);
   }
 
   bool isSmall(const Box<Real>& box) const noexcept
@@ -474,6 +493,12 @@ private:
     {
       return;
     }
+    const bool isShared = shared_.takeOwn(rays(), index_, 0, box, active);
+    drawOnlyLeaf(box, active);
+    shared_.giveBack(isShared, rays(), active);
+  }
+  void drawOnlyLeaf(const Box<Real>& box, GroupMask active)
+  {
     if (scene_.features.constants)
     {
       if (constants_.prepareRoot())
@@ -542,6 +567,7 @@ private:
   BlockSource<Real, Loop> blocks_;
   ConstantSource<Real, Loop> constants_;
   std::array<Coord, 3> index_{};
+  SharedNodes<Real> shared_;
 };
 
 template <class Real, RayOrigins Origins, VolumeLoop Loop>
