@@ -47,6 +47,8 @@ reader = simple.TreeAMRP4estReader(FileName=FOREST, Payload="double rho")
 display = simple.Show(reader, view)
 simple.ColorBy(display, ("CELLS", "rho"))
 display.RescaleTransferFunctionToDataRange(False, True)
+# Differences are those of colours, whatever a release's default: the bounds are for these.
+display.LookupTable.ApplyPreset("Cool to Warm", True)
 display.SetRepresentationType("Tree AMR Volume")
 display.ScalarOpacityUnitDistance = 0.05
 low, high = display.LookupTable.RGBPoints[0], display.LookupTable.RGBPoints[-4]

@@ -50,7 +50,7 @@ simple.Render(view)
 difference = (scene.shown(view.GetRenderWindow()) - converged) / 255
 error = numpy.sqrt((difference ** 2).mean())
 print("estimated error:", representation.EstimatedError, "of", error, "in", representation.FrameSeconds, "s")
-assert error > 0.01
+assert error > 0.005  # the random cells are others in ParaView 6.1; rounding to 256 levels is 0.0016 of it
 assert error / 1.5 < representation.EstimatedError < error * 1.5
 representation.SMProxy.UpdatePropertyInformation()
 assert representation.SMProxy.GetProperty("EstimatedError").GetElement(0) == representation.EstimatedError

@@ -84,7 +84,7 @@ Setting useTable(int stripes)
 {
   return [stripes](ConventionStage& stage) {
     stage.property()->SetTransferFunction2D(ConventionStage::makeTable(stripes));
-    stage.property()->SetTransferFunctionModeTo2D();
+    stage.property()->SetTransferFunctionMode(vtkVolumeProperty::TF_2D);
   };
 }
 
@@ -128,13 +128,6 @@ Conventions blendModes()
 
 Conventions light()
 {
-  const auto anisotropy = [](ConventionStage& stage) {
-#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0)
-    stage.property()->SetScatteringAnisotropy(0.7f);
-#else
-    (void)stage;
-#endif
-  };
   return {
     { "TestGPURayCastGradientOpacity", prepareNothing, { fadeEvenParts } },
     { "TestGPURayCastGradientOpacityLight", prepareNothing, { fadeEvenParts, shade } },
@@ -170,6 +163,7 @@ Conventions light()
       },
       { [](ConventionStage& stage) { stage.mapper()->SetVolumetricScatteringBlending(2.f); },
         [](ConventionStage& stage) { stage.mapper()->SetGlobalIlluminationReach(1.f); } } },
+#if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0) // before, volumes' properties have none
     { "ScatteringAnisotropy",
       [](ConventionStage& stage) {
         shade(stage);
@@ -177,7 +171,8 @@ Conventions light()
         stage.mapper()->SetVolumetricScatteringBlending(2.f);
         stage.mapper()->SetGlobalIlluminationReach(0.5f);
       },
-      { anisotropy } },
+      { [](ConventionStage& stage) { stage.property()->SetScatteringAnisotropy(0.7f); } } },
+#endif
   };
 }
 

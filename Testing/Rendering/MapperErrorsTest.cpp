@@ -136,7 +136,7 @@ TEST_F(MapperErrorsTest, emptyGrid)
 TEST_F(MapperErrorsTest, masksOfAllCellsLeaveNothingToDrawOrSay)
 {
   vtkNew<vtkBitArray> mask;
-  mask->SetNumberOfValues(grid_->GetNumberOfCells());
+  mask->SetNumberOfValues(grid_->GetNumberOfElements(vtkDataObject::CELL));
   for (vtkIdType i = 0; i < mask->GetNumberOfValues(); ++i)
   {
     mask->SetValue(i, 1);

@@ -23,7 +23,7 @@ namespace treeamr::test
 
 /// Of VTK 9.1's volume mapper the highlights are powers of the normal's cosine to the view, or to halves between light and a
 /// view from a mirrored point, of the last light alone; and a headlight lights the other side than the same light of the scene.
-/// Without highlights, too, lights that are no headlights differ there, which is not explained. What ours are, VolumeEffectsTest has: slicesOfLinearFieldsAreLitByPhongsModel.
+/// What ours are, VolumeEffectsTest has: slicesOfLinearFieldsAreLitByPhongsModel.
 constexpr bool vtkHasPhongsHighlights = VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0);
 
 /// Waves that a smooth opacity function shows.
@@ -140,6 +140,10 @@ public:
     {
       ours_->SetVisibility(i == 0);
       theirs_->SetVisibility(i == 1);
+      if (VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0))
+      {
+        theirMapper_->Modified(); // else VTK 9.1 draws other lights by the shader that it made for those before
+      }
       set(vtkVolumeMapper::SafeDownCast((i == 0 ? ours_ : theirs_.Get())->GetMapper()));
       pictures[i] = scene.render();
     }

@@ -15,7 +15,7 @@ view = CreateView("RenderView", ViewSize=[900, 620], OrientationAxesVisibility=0
 volume = Show(grid, view)
 ColorBy(volume, ("CELLS", "sheet"))
 volume.SetRepresentationType("Tree AMR Volume")
-volume.LookupTable.ApplyPreset("Inferno (matplotlib)", True)
+volume.LookupTable.ApplyPreset("Inferno" if GetParaViewVersion() >= (6, 1) else "Inferno (matplotlib)", True)
 volume.LookupTable.RescaleTransferFunction(0.0, 0.9)
 volume.ScalarOpacityFunction.Points = [
     0.0, 0.0, 0.5, 0.0, 0.08, 0.0, 0.5, 0.0, 0.3, 0.25, 0.5, 0.0, 0.6, 0.95, 0.5, 0.0, 1.0, 1.0, 0.5, 0.0]
