@@ -285,7 +285,7 @@ TEST_F(P4estReaderArraysTest, ChosenArraysComeBackWithTheirPayload)
   smallBrick().save(path);
   reader_->SetFileName(path.c_str());
   reader_->SetGenerateLevel(true);
-  reader_->SetPayload("float a; double b");
+  reader_->SetPayload("float a[2]; int b");
   reader_->UpdateInformation();
   reader_->SetCellArrayStatus("b", 0);
   reader_->SetCellArrayStatus("treeid", 0);
@@ -294,7 +294,7 @@ TEST_F(P4estReaderArraysTest, ChosenArraysComeBackWithTheirPayload)
   reader_->SetPayload("float c; float d; float e");
   reader_->Update();
   EXPECT_EQ(this->arraysRead(), std::vector<std::string>{ "level" });
-  reader_->SetPayload("float a; double b");
+  reader_->SetPayload("float a[2]; int b");
   reader_->Update();
   EXPECT_EQ(this->arraysRead(), (std::vector<std::string>{ "a", "level" }));
 }
