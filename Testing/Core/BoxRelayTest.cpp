@@ -81,12 +81,18 @@ long givers(const std::vector<Image>& images)
   });
 }
 
+struct PictureOptions
+{
+  int reduction = 1;            // pixels of the camera along each axis for one of the picture
+  DataCut cut{};                // of all
+  bool withOpaqueThings = true; // else only without
+};
+
 /// Pictures that boxes make together, and that of the whole domain, in several cuts, views and with something opaque or not:
-/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it). reduction: pixels of the
-/// camera along each axis for one of the picture. cut: of all.
+/// check(difference, samples of all boxes, samples of the whole, hasOpaque, view, what to say of it).
 template <class Check>
-void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check, int reduction = 1,
-  const DataCut& cut = {})
+void forEachPicture(const Domain& domain, const VolumeSettings& settings, const Check& check,
+  const PictureOptions& options = {})
 {
   for (const int count : { 2, 3, 8 })
   {
@@ -100,12 +106,16 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
     {
       for (const bool hasOpaque : { false, true })
       {
+        if (hasOpaque && !options.withOpaqueThings)
+        {
+          continue;
+        }
         const Camera camera(view.clip, width, height);
         const std::vector<float> depths =
           hasOpaque ? randomDepths(camera, domain.grid.bounds()) : std::vector<float>();
         Image whole(width, height);
         RayStops stopsOfWhole = RayStops::depths(nullptr, hasOpaque ? depths.data() : nullptr);
-        stopsOfWhole.cut = cut;
+        stopsOfWhole.cut = options.cut;
         const VolumeStatistics ofWhole =
           renderVolume(*domain.field, smooth(), camera, stopsOfWhole, settings, whole);
         Mailbox mailbox;
@@ -117,8 +127,8 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
           const std::vector<float> ownDepths =
             hasOpaque ? depthsIn(box, domain.grid.bounds(), camera, depths) : depths;
           RayStops stops = RayStops::depths(nullptr, hasOpaque ? ownDepths.data() : nullptr);
-          stops.cut = cut;
-          const Camera ofAll(view.clip, reduction * width, reduction * height);
+          stops.cut = options.cut;
+          const Camera ofAll(view.clip, options.reduction * width, options.reduction * height);
           BoxRelay relay(boxes, own, domain.grid, peers, ofAll, stops.endDepth, image);
           if (relay.begin(true, { .cutsAtFaces = false }))
           {
@@ -132,7 +142,7 @@ void forEachPicture(const Domain& domain, const VolumeSettings& settings, const 
           std::to_string(count) + " boxes, " + view.name + (hasOpaque ? ", opaque" : "");
         check(largestDifference(together(images), whole), samples, ofWhole.samples, hasOpaque, view, about);
         EXPECT_TRUE(mailbox.isEmpty()) << about;
-        EXPECT_TRUE(reduction == 1 || givers(images) <= 1) << about;
+        EXPECT_TRUE(options.reduction == 1 || givers(images) <= 1) << about;
       }
     }
   }
@@ -170,12 +180,8 @@ TEST(BoxRelay, StepsAreThoseOfTheWhole)
   {
     forEachPicture(
       domain, settings,
-      [](float difference, std::uint64_t samples, std::uint64_t ofWhole, bool hasOpaque, const View& view,
+      [](float difference, std::uint64_t samples, std::uint64_t ofWhole, bool /*hasOpaque*/, const View& view,
         const std::string& about) {
-        if (hasOpaque) // which ends rays that another process begins
-        {
-          return;
-        }
         EXPECT_LT(difference, 1e-6f) << about;
         if (std::string(view.name) != "inside") // as above
         {
@@ -183,7 +189,7 @@ TEST(BoxRelay, StepsAreThoseOfTheWhole)
             << about;
         }
       },
-      1, ofAll);
+      { .cut = ofAll, .withOpaqueThings = false }); // these end rays that another process begins
   }
 }
 
@@ -192,7 +198,8 @@ TEST(BoxRelay, PicturesToBeEnlargedAreOneProcesss)
   forEachPicture(
     Domain(), fine(), [](float difference, auto&&, auto&&, bool hasOpaque, auto&&, const std::string& about) {
       EXPECT_LT(difference, hasOpaque ? tolerance : 1e-6f) << about;
-    }, 5);
+    },
+    { .reduction = 5 });
   VolumeSettings maximum = fine();
   maximum.blend = VolumeBlend::Maximum;
   forEachPicture(
@@ -200,7 +207,7 @@ TEST(BoxRelay, PicturesToBeEnlargedAreOneProcesss)
     [](float difference, auto&&, auto&&, auto&&, auto&&, const std::string& about) {
       EXPECT_LT(difference, 1e-5f) << about;
     },
-    2);
+    { .reduction = 2 });
 }
 
 TEST(BoxRelay, SurfacesInBoxesComeInTheirOrder)
