@@ -76,9 +76,8 @@ TEST(BoxOrder, BoxesThatNoPlanePartsAreAnError)
 /// How many have anything.
 long givers(const std::vector<Image>& images)
 {
-  return std::ranges::count_if(images, [](const Image& image) {
-    return std::ranges::any_of(image.rgba, [](float x) { return x != 0.f; });
-  });
+  return std::ranges::count_if(images,
+    [](const Image& image) { return std::ranges::any_of(image.rgba, [](float x) { return x != 0.f; }); });
 }
 
 struct PictureOptions
@@ -178,14 +177,14 @@ TEST(BoxRelay, StepsAreThoseOfTheWhole)
   for (const auto& [settings, ofAll] : { std::pair(few, DataCut()), { VolumeSettings(), DataCut() },
          { lit, DataCut() }, { inDoubles, DataCut() }, { few, cut } })
   {
-    forEachPicture(
-      domain, settings,
+    forEachPicture(domain, settings,
       [](float difference, std::uint64_t samples, std::uint64_t ofWhole, bool /*hasOpaque*/, const View& view,
         const std::string& about) {
         EXPECT_LT(difference, 1e-6f) << about;
         if (std::string(view.name) != "inside") // as above
         {
-          EXPECT_NEAR(static_cast<double>(samples), static_cast<double>(ofWhole), 1e-4 * static_cast<double>(ofWhole))
+          EXPECT_NEAR(
+            static_cast<double>(samples), static_cast<double>(ofWhole), 1e-4 * static_cast<double>(ofWhole))
             << about;
         }
       },
@@ -195,15 +194,14 @@ TEST(BoxRelay, StepsAreThoseOfTheWhole)
 
 TEST(BoxRelay, PicturesToBeEnlargedAreOneProcesss)
 {
-  forEachPicture(
-    Domain(), fine(), [](float difference, auto&&, auto&&, bool hasOpaque, auto&&, const std::string& about) {
+  forEachPicture(Domain(), fine(),
+    [](float difference, auto&&, auto&&, bool hasOpaque, auto&&, const std::string& about) {
       EXPECT_LT(difference, hasOpaque ? tolerance : 1e-6f) << about;
     },
     { .reduction = 5 });
   VolumeSettings maximum = fine();
   maximum.blend = VolumeBlend::Maximum;
-  forEachPicture(
-    Domain(), maximum,
+  forEachPicture(Domain(), maximum,
     [](float difference, auto&&, auto&&, auto&&, auto&&, const std::string& about) {
       EXPECT_LT(difference, 1e-5f) << about;
     },
