@@ -115,7 +115,9 @@ def render():
     representation.SetRepresentationType("Tree AMR Volume")
     representation.ShowIsosurfaces = 1
     representation.IsosurfaceValues = [1.5, 2.5]
+    samples, representation.SamplesPerCell = representation.SamplesPerCell, 8  # beside surfaces boxes cut cells
     scene.picture(view, f"Both-{ranks}")
+    representation.SamplesPerCell = samples
     representation.ShowIsosurfaces = 0
     for name, blend in BLENDS.items():
         representation.BlendMode = blend
