@@ -455,8 +455,8 @@ void vtkTreeAMRRepresentation::WarnOfOtherBoxes()
     if (!isAlike && this->SaidOfGrids.insert("boxes").second)
     {
       vtkWarningMacro(
-        "Two grids of one view are divided among the ranks in different ways: where they overlap, one "
-        "may be drawn over the other in the wrong order. One rank draws them right.");
+        "Two grids of one view are divided among the ranks in different ways: one of them, or parts of it, may "
+        "be drawn in the wrong order, also where the grids do not overlap. One rank draws them right.");
     }
   }
 }

@@ -481,6 +481,12 @@ bool vtkTreeAMRVolumeMapper::RenderVolume(
     this->Private->Messages.warning({ "overlap of estimates",
       "EstimateError and TargetError: no error is estimated of volumes that overlap others." });
   }
+  if (isPeeling && this->Private->Peers && treeamr::blendsValues(this))
+  {
+    this->Private->Messages.warning({ "peeled values",
+      "BlendMode: beside translucent surfaces each of several processes shows its own values, those before the "
+      "others'. One process draws them right." });
+  }
   if (!isWhole)
   {
     scene.surfaces.clear();
