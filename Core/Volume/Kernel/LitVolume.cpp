@@ -7,7 +7,7 @@
 // After foreach_target.h: the rest is compiled once for each target.
 #include "Volume/Kernel/VolumeKernel.h"
 #include "Volume/Kernel/VolumeLight-inl.h"
-#include "Volume/Kernel/VolumeTile-inl.h"
+#include "Volume/Kernel/VolumeLoops-inl.h"
 
 #include <hwy/highway.h>
 
