@@ -156,7 +156,7 @@ class TestNumpy(unittest.TestCase):
         (folder / "no.p8est").write_text("hello")
         with self.assertRaisesRegex(treeamr.Error, "no.p8est: "):
             treeamr.read(folder / "no.p8est")
-        (folder / "no.vtu").write_text("hello")
+        (folder / "no.vtu").write_text("<VTKFile type='ImageData' version='1.0'/>")
         with self.assertRaisesRegex(treeamr.Error, "no.vtu: "):
             treeamr.read(folder / "no.vtu")
         forest = pathlib.Path(__file__).parent.parent / "Data" / "Fuzz" / "ForestFuzz" / "brick"
