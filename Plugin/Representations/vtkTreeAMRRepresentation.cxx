@@ -179,7 +179,8 @@ int vtkTreeAMRRepresentation::RequestData(
   // A copy, because a source fills its output object again while the view may still cache this time step.
   this->Input = vtkSmartPointer<vtkHyperTreeGrid>::New();
   vtkMath::UninitializeBounds(this->LocalBounds);
-  if (inputVector[0]->GetNumberOfInformationObjects() == 1)
+  this->HasInput = inputVector[0]->GetNumberOfInformationObjects() == 1;
+  if (this->HasInput)
   {
     vtkDataObject* input = vtkDataObject::GetData(inputVector[0], 0);
     std::vector<treeamr::NamedGrid> grids = treeamr::gridsWithTrees(input);
@@ -320,7 +321,8 @@ int vtkTreeAMRRepresentation::ProcessViewRequest(
   this->HasExecuted = false;
   vtkMultiProcessController* const controller = vtkMultiProcessController::GetGlobalController();
   const bool isOneOfSeveral = controller && controller->GetNumberOfProcesses() > 1;
-  if (request == vtkPVView::REQUEST_UPDATE() && isOneOfSeveral)
+  // On a client too, or else it would not have the new grid delivered.
+  if (request == vtkPVView::REQUEST_UPDATE() && (isOneOfSeveral || !this->HasInput))
   {
     this->AskForShownArrays();
   }

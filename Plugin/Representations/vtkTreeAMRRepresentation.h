@@ -132,6 +132,7 @@ private:
   vtkNew<SweepDrafts> Drafts;
   vtkSmartPointer<vtkHyperTreeGrid>
     Input; // a shallow copy of what this rank's pipeline gives, of several grids the merged one
+  bool HasInput = false; // as a client of a server has not
   std::set<std::string> TakenArrays; // by Redistribute(): all that have been shown, for each costs it once
   std::string LastLeftOut;           // by MergeGrids()
   std::set<std::string> SaidOfGrids;

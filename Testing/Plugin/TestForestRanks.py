@@ -137,6 +137,18 @@ simple.Render(view)
 again.Visibility = 0
 check("alone-again", view, RELAYED)
 
+# Another array makes the ranks' grids anew, of which a server's client has to know.
+reader.GenerateLevel = 1
+reader.UpdatePipeline()
+simple.ColorBy(display, ("CELLS", "level"))
+display.RescaleTransferFunctionToDataRange(False, True)
+display.LookupTable.ApplyPreset("Cool to Warm", True)
+lowest, highest = display.LookupTable.RGBPoints[0], display.LookupTable.RGBPoints[-4]
+display.ScalarOpacityFunction.Points = [lowest, 0.1, 0.5, 0, highest, 0.7, 0.5, 0]
+check("level", view, RELAYED)
+simple.ColorBy(display, ("CELLS", "rho"))
+check("rho-again", view, RELAYED)
+
 # A camera among the boxes, one that sees few of them, one that sees none, and both eyes of a stereo window.
 simple.ResetCamera(view)
 for name, position, focus in (("inside", [0.5, 0.45, 0.55], [0, 0, 0]), ("beside", [0.5, 0.5, 0.9], [0.9, 0.6, 0.7])):
