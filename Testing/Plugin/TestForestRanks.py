@@ -139,7 +139,7 @@ check("alone-again", view, RELAYED)
 
 # Another array makes the ranks' grids anew, of which a server's client has to know.
 reader.GenerateLevel = 1
-reader.UpdatePipeline()
+simple.Render(view)
 simple.ColorBy(display, ("CELLS", "level"))
 display.RescaleTransferFunctionToDataRange(False, True)
 display.LookupTable.ApplyPreset("Cool to Warm", True)
